@@ -29,6 +29,14 @@ TITLES = {
 }
 
 
+def unkept_told(kept: KeptDirection) -> str:
+    """In words, what a direction that isn't kept does."""
+    side, limit_deg = (
+        ("nearer to", kept.min_deg) if kept.near is None else ("farther from", kept.max_deg)
+    )
+    return f"{kept.name} is {side} {TITLES[kept.body]} than its {limit_deg:g} deg"
+
+
 @dataclass(frozen=True, kw_only=True)
 class GlintOptions:
     """How nearly the point that mirrors the Sun is found."""
@@ -119,10 +127,8 @@ class Surroundings:
     def kept_margin_rad(self, kept: KeptDirection, direction_eci: Array) -> Array:
         """By how much unit vectors (n, 3) keep away, or stay near, (n,); pi while it doesn't
         count."""
-        if kept.near == "limb":
-            return math.radians(kept.max_deg or 0.0) - self.apart_rad(direction_eci, "limb")
-        keeps_away_eci = direction_eci if kept.near is None else -direction_eci
-        return self.margin_rad(keeps_away_eci, kept.about, kept.kept_deg)
+        margin_rad = self.margin_rad(kept.away(direction_eci), kept.about, kept.kept_deg)
+        return -margin_rad if kept.near == "limb" else margin_rad
 
     def margin_rad(self, direction_eci: Array, about: Celestial | Array, least_deg: float) -> Array:
         """By how much unit vectors (n, 3) are farther from it, (n,); pi while it doesn't count."""

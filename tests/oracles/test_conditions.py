@@ -290,7 +290,8 @@ def test_windows_keep_directions_and_their_sessions_are_planned(name, kept):
     windows = found.windows
     lasts_s = float((windows.set_s - windows.rise_s).sum())
     assert 0.0 < lasts_s < float((plain.set_s - plain.rise_s).sum())
-    assert "exclusion" in {*windows.opened_by.tolist(), *windows.closed_by.tolist()}
+    [name] = [f"directions.{one['name']}" for one in request["conditions"]["directions"]]
+    assert name in {*windows.opened_by.tolist(), *windows.closed_by.tolist()}
     spans_s = windows.sessions_s(found.start_utc)
     held = np.flatnonzero(np.diff(spans_s, axis=1)[:, 0] > 10.0)[:2]
     for row in held.tolist():

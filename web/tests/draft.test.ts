@@ -119,6 +119,7 @@ test("a session keeps off the end that a stop makes, and a long one lies in the 
   draft.removeSession(0);
   expect(sessionIn({ ...window(0, 100), closed_by: "reach" })).toEqual({ start: at(0), stop: at(95) });
   expect(sessionIn({ ...window(0, 100), opened_by: "sun_keep_out" })).toEqual({ start: at(5), stop: at(100) });
+  expect(sessionIn({ ...window(0, 100), opened_by: "directions.dish" })).toEqual({ start: at(5), stop: at(100) });
   const held = { start: at(20), stop: at(100) }; // the axes can't follow before
   expect(sessionIn({ ...window(0, 100), session: held })).toEqual({ start: at(24), stop: at(100) });
   const star = { ...window(0, 3000), highest_at: at(2990), closed_by: "reach" };

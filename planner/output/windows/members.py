@@ -173,7 +173,8 @@ class WindowOut:
     session: the longest, up to six hours, that can be held, on a table's rows; null for none. Of a
     scan one from end to end, halfway through the starts there are.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start,
-    "look" the time of a look of a stereo.
+    "look" the time of a look of a stereo, "directions.NAME" one of `conditions.directions`,
+    "exclusions.NAME" one of the platform's, "star_trackers" those.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop. Of a
     scan that which a later start would not meet.
     highest_at: time of the greatest elevation; with `view`; UTC.

@@ -8,7 +8,7 @@ from planner.world.frames.time_scales import Utc
 
 Height = Annotated[float, Member("deg", -90.0, 180.0, decimals=3)]
 # What keeps a target from being looked at.
-Closing = Cause | Literal["scan", "due", "duration", "rest", "motion", "work"]
+Closing = Cause | Literal["exclusion", "scan", "due", "duration", "rest", "motion", "work"]
 
 
 @answer

@@ -51,6 +51,7 @@ from planner.planning.opportunities.windows import Cause
 from planner.world.targets.limb_kernel import above_limb
 
 CAUSES = np.array(get_args(Cause))
+KEPT = len(CAUSES)  # from here on what a platform keeps, as `Lookout.kept_names` has it
 # Of numpy, as a kernel would be compiled anew for each of Python's.
 _KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
 (
@@ -63,7 +64,6 @@ _KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
     REACH,
     ACROSS,
     MASK,
-    EXCLUSION,
     RATE,
     GROUND_SAMPLE,
     GLINT,

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from planner.base import effort
 from planner.base.arrays import Array, Mask
 from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.closing import Closing
 from planner.planning.opportunities.platforms.lookout import HeldScans, Lookout
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityRequest
@@ -64,8 +63,8 @@ def windows_of_scans(
     Raises WorkLimitReached.
     """
     narrower = [
-        (cause, lookout_of(platform, asked.attitude))
-        for cause, platform, _ in lookout_of(asked.platform, asked.attitude).narrowing()
+        (one.name, lookout_of(one.platform, asked.attitude))
+        for one in lookout_of(asked.platform, asked.attitude).narrowing()
     ]
     lookout = narrower[-1][1]
     for scan in scans:
@@ -156,10 +155,10 @@ def middles_of(request: OpportunityRequest, edges: WindowEdges) -> list[GroundTa
 
 
 def _closed_by(
-    narrower: Sequence[tuple[Closing, Lookout]],
+    narrower: Sequence[tuple[str, Lookout]],
     held_at: Callable[[Lookout, Array], HeldScans],
     begin_s: float,
-) -> Closing:
+) -> str:
     """The first of the platform's conditions, one beside the other, that a scan doesn't keep."""
     at_s = np.array([begin_s])
     kept = (cause for cause, lookout in narrower if not held_at(lookout, at_s).as_window[0])

@@ -219,7 +219,7 @@ def found_spans(
             if (duty := request.conditions.duty_cycle) is not None:
                 stop_s = np.minimum(held_s[:, 1], held_s[:, 0] + duty.imaging_max_s)
                 held_s = np.stack([held_s[:, 0], stop_s], axis=1)
-        yield numbers, sight, _spans_of(found), held_s
+        yield numbers, sight, _spans_of(found, lookout.kept_names(sight.images)), held_s
 
 
 def _count(looks: int) -> None:
@@ -228,8 +228,9 @@ def _count(looks: int) -> None:
     effort.charge(0.0)
 
 
-def _spans_of(found: Found) -> Spans:
-    (start_s, stop_s), (opened_by, closed_by) = found.edge_s.T, CAUSES[found.cause.T]
+def _spans_of(found: Found, kept_names: tuple[str, ...]) -> Spans:
+    causes = np.array([*CAUSES, *kept_names])
+    (start_s, stop_s), (opened_by, closed_by) = found.edge_s.T, causes[found.cause.T]
     return Spans(found.target, start_s, stop_s, opened_by, closed_by)
 
 

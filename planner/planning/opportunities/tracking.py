@@ -23,7 +23,7 @@ from planner.base.vectors import (
     vector_of,
 )
 from planner.planning.opportunities.looks import CarrierTables, Places, look, to_body, up_at
-from planner.planning.opportunities.margins import EXCLUSION, RATE, WindowScene
+from planner.planning.opportunities.margins import KEPT, RATE, WindowScene
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import Found, found_of
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S
@@ -333,6 +333,25 @@ def _longest_run(
 
 
 @lean
+def _unkept(b: Tracking, c: CarrierTables, p: Places, n: int, t_s: float) -> int:
+    """The first exclusion that the better sense of the rule doesn't keep then, numbered on after
+    the causes; the star trackers come after all of them."""
+    d, r_sat, v = _seen(c, p, n, t_s)
+    aside, best = aside_at(b, c, p, n, t_s, d, r_sat, v), -math.inf
+    plain = len(b.kept_parameters) - 3 * b.trackers
+    which = plain
+    for sense in range(b.senses):
+        lain = scaled(1.0 - 2.0 * sense, aside)
+        kept = _kept(b, c, d, lain, r_sat, v, t_s)
+        if kept > best:
+            best, which = kept, plain
+            for m in range(plain - 1, -1, -1):
+                if not _apart(b, c, m, d, lain, r_sat, v, t_s) > 0.0:
+                    which = m
+    return KEPT + which
+
+
+@lean
 def _edge_between(
     b: Tracking, c: CarrierTables, p: Places, n: int, out_s: float, in_s: float
 ) -> tuple[float, int]:
@@ -343,7 +362,9 @@ def _edge_between(
             in_s = middle_s
         else:
             out_s = middle_s
-    return in_s, RATE if _ways_margins(b, c, p, n, out_s)[1] > 0.0 else EXCLUSION
+    if _ways_margins(b, c, p, n, out_s)[1] > 0.0:
+        return in_s, RATE
+    return in_s, _unkept(b, c, p, n, out_s)
 
 
 @nested

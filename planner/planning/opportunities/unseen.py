@@ -6,6 +6,8 @@ The elevation that the carrier reaches, and what closes every window.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
+from operator import attrgetter
 
 import numpy as np
 
@@ -121,11 +123,18 @@ def _narrowed(request: OpportunityRequest, rows: Sequence[int]) -> dict[int, tup
         conditions=OpportunityConditions(min_elevation_deg=request.conditions.min_elevation_deg),
         samples=OPTIONS.samples,
     )
-    for cause, platform, because in lookout_of(request.platform, request.attitude).narrowing():
-        now = replace(now, platform=platform)
+    narrowing = lookout_of(request.platform, request.attitude).narrowing()
+    for _, group in groupby(narrowing, attrgetter("cause")):
+        *first, last = group
+        wider, now = now, replace(now, platform=last.platform)
         found = _windows_of(now, left) if left else {}
-        closed |= {row: (cause, because) for row in left if row not in found}
-        left = list(found)
+        gone, left = [row for row in left if row not in found], list(found)
+        for one in first:  # which of the same kind it is, only where one of them is the cause
+            one_by_one = replace(wider, platform=one.platform)
+            kept = _windows_of(one_by_one, gone) if gone else {}
+            closed |= {row: (one.cause, one.because) for row in gone if row not in kept}
+            gone = list(kept)
+        closed |= dict.fromkeys(gone, (last.cause, last.because))
     for cause, names in _NARROWING:
         asked = {name: getattr(request.conditions, name) for name in names}
         wider = now

@@ -23,7 +23,6 @@ Cause = Literal[
     "reach",
     "across",
     "mask",
-    "exclusion",
     "rate",
     "ground_sample",
     "glint",
@@ -97,8 +96,9 @@ class WindowEdges:
     target: row of the request's targets.  rise_s, set_s: since the search's start.
     held_from_s, held_to_s: the longest part that a session can hold its target over, of a scan the
     longest span in which a session of it can begin, or NaN.
-    opened_by, closed_by: which `Cause` made the edge; "interval" is the request's own start
-    or stop, "look" the time at which a look of a stereo is to begin.
+    opened_by, closed_by: which `Cause` made the edge, or the name of what the platform keeps;
+    "interval" is the request's own start or stop, "look" the time at which a look of a stereo is to
+    begin.
     scan_parameters: (windows, 7) of scans of imaging modes: part, counted from 1, of how many, how
     long its session lasts, longitude and latitude of its line's ends, degrees; NaN of any other.
     """

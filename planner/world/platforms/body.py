@@ -608,10 +608,8 @@ class BodyPlatform:
         return replace(self, exclusions=self.exclusions + more) if more else self
 
     def direction_of(self, exclusion: KeptDirection) -> Array:
-        """The direction that keeps away, a unit vector in body axes, (3,): of one that stays near
-        the opposite one."""
-        direction = unit_vector(exclusion.direction_body or self.camera.boresight_body)
-        return direction if exclusion.near is None else -direction
+        """As `KeptDirection.away`, a unit vector in body axes, (3,)."""
+        return exclusion.away(unit_vector(exclusion.direction_body or self.camera.boresight_body))
 
 
 def _triad(x_body: Direction | Array, z_body: Direction) -> Array:

@@ -77,14 +77,17 @@ class KeptDirection:
         assert celestial is not None  # else it was refused
         return celestial
 
+    def away(self, direction: Array) -> Array:
+        """What of a direction, (..., 3), keeps away: of one that stays near its opposite, but of
+        one near the limb itself, whose margin is the other way round."""
+        return direction if self.near in (None, "limb") else -direction
+
     @property
     def kept_deg(self) -> float:
-        """The least angle of `BodyPlatform.direction_of` from it: of a direction that stays near
-        that of its opposite."""
-        if self.min_deg is not None:
-            return self.min_deg
-        assert self.max_deg is not None
-        return 180.0 - self.max_deg
+        """The least angle of `away` from it, near the limb the greatest."""
+        limit_deg = self.max_deg if self.min_deg is None else self.min_deg
+        assert limit_deg is not None  # else it was refused
+        return limit_deg if self.near in (None, "limb") else 180.0 - limit_deg
 
 
 def unit_vector(direction: Direction) -> Array:

@@ -1,6 +1,7 @@
 """The search for windows of a spacecraft that turns as a whole."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -14,9 +15,8 @@ from planner.motion.attitude.idle import idle_attitude
 from planner.motion.attitude.track import agility_limits, roll_rule
 from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.closing import Closing
 from planner.planning.opportunities.margins import WindowScene
-from planner.planning.opportunities.platforms.lookout import HeldScans
+from planner.planning.opportunities.platforms.lookout import HeldScans, Narrowing, kept_before
 from planner.planning.opportunities.request import OpportunityConditions
 from planner.planning.opportunities.sights import Sight
 from planner.planning.opportunities.sweep import Found
@@ -33,7 +33,7 @@ from planner.planning.opportunities.tracking import (
 )
 from planner.planning.opportunities.windows import Cause
 from planner.world.attitude import AttitudeLaw
-from planner.world.exclusions import RADIUS_M, Surroundings
+from planner.world.exclusions import RADIUS_M, Surroundings, unkept_told
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants
@@ -156,7 +156,11 @@ class BodyLookout:
             tracking = tracking._replace(glint_step_s=table.step_s, glint=table.powers)
         return tracking
 
-    def narrowing(self) -> tuple[tuple[Closing, AnyPlatform, str], ...]:
+    def kept_names(self, images: bool) -> tuple[str, ...]:
+        kept = [one for one in self.platform.exclusions if images or one.when == "always"]
+        return (*map(_edge_name, kept), "star_trackers")
+
+    def narrowing(self) -> Iterator[Narrowing]:
         platform = self.platform
         # What it may turn by says nothing of its torque here.
         blind = replace(
@@ -169,33 +173,32 @@ class BodyLookout:
             exclusions=(),
             star_trackers=None,
         )
-        kept = replace(blind, exclusions=platform.exclusions, star_trackers=platform.star_trackers)
-        return (
-            (
-                "off_nadir",
-                blind,
-                "while it is in sight it stands farther off nadir than the "
-                f"{platform.off_nadir_max_deg:g} deg of {platform.name}",
-            ),
-            (
-                "exclusion",
-                kept,
-                "whenever the camera can look there, a direction of the body is too near to what "
-                "it keeps away from, or too far from what it stays near, or too few star trackers "
-                "see stars",
-            ),
-            ("rate", platform, "to follow it the body would have to turn faster than it can"),
+        yield Narrowing(
+            "off_nadir",
+            blind,
+            "while it is in sight it stands farther off nadir than the "
+            f"{platform.off_nadir_max_deg:g} deg of {platform.name}",
+            "off_nadir",
         )
+        seen = "whenever the camera can look there"
+        for count, one in enumerate(platform.exclusions, start=1):
+            kept = replace(blind, exclusions=platform.exclusions[:count])
+            because = f"{seen}{kept_before(count)}, {unkept_told(one)}"
+            yield Narrowing("exclusion", kept, because, _edge_name(one))
+        if platform.star_trackers is not None:
+            kept = replace(
+                blind, exclusions=platform.exclusions, star_trackers=platform.star_trackers
+            )
+            because = f"{seen}, too few star trackers see stars with the exclusions kept"
+            yield Narrowing("exclusion", kept, because, "star_trackers")
+        because = "to follow it the body would have to turn faster than it can"
+        yield Narrowing("rate", platform, because, "rate")
 
     def _kept(self, body_from_triad: Array, images: bool) -> Array:
         """As `Tracking.kept_parameters`."""
         platform, trackers = self.platform, self.platform.star_trackers
         kept = [
-            (
-                platform.direction_of(one) * (-1.0 if one.near == "limb" else 1.0),
-                self._which(one),
-                one.kept_deg if one.near != "limb" else one.max_deg or 0.0,
-            )
+            (platform.direction_of(one), self._which(one), one.kept_deg)
             for one in platform.exclusions
             if images or one.when == "always"
         ]
@@ -256,3 +259,9 @@ def _triad(toward_body: Array, aside_body: Array) -> Array:
 def _rows(matrix: Array) -> Rows3:
     one, two, three = (cast(Vector, tuple(row)) for row in matrix.tolist())
     return one, two, three
+
+
+def _edge_name(exclusion: Exclusion) -> str:
+    """As windows' edges have it: a request's direction has its field already."""
+    name = exclusion.name
+    return name if name.startswith("directions.") else f"exclusions.{name}"

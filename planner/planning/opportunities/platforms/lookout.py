@@ -1,5 +1,6 @@
 """The lookout: everything that the search for windows asks of a platform, whatever its kind."""
 
+from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
 from planner.base.arrays import Array, Mask
@@ -24,6 +25,23 @@ class HeldScans(NamedTuple):
 
     as_window: Mask
     as_session: Mask
+
+
+class Narrowing(NamedTuple):
+    """A platform with one more of its own conditions.
+
+    cause: of what it leaves nothing of.  because: in words.  name: as windows' edges have it.
+    """
+
+    cause: Closing
+    platform: AnyPlatform
+    because: str
+    name: str
+
+
+def kept_before(count: int) -> str:
+    """In words, that what a platform keeps before the n-th of the same list is kept, too."""
+    return " with those before it kept" if count > 1 else ""
 
 
 class Lookout(Base, Protocol):
@@ -71,7 +89,11 @@ class Lookout(Base, Protocol):
         """Which scans of a line are held that begin at each time, n of them, as `sight` has it."""
         ...
 
-    def narrowing(self) -> tuple[tuple[Closing, AnyPlatform, str], ...]:
-        """The platform with more and more of its own conditions, the last with all: what each adds,
-        and what is said where it leaves nothing."""
+    def kept_names(self, images: bool) -> tuple[str, ...]:
+        """Of its exclusions, the request's directions and star trackers, as windows' edges name
+        them; images: of targets that the camera images."""
+        ...
+
+    def narrowing(self) -> Iterator[Narrowing]:
+        """The platform with more and more of its own conditions, the last with all."""
         ...

@@ -1,6 +1,7 @@
 """The search for windows of two axes on a carrier that somebody else steers."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -10,9 +11,8 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 from planner.motion.pointing.reach import reach_of
-from planner.planning.opportunities.closing import Closing
-from planner.planning.opportunities.margins import EXCLUSION, NOTHING, WindowScene
-from planner.planning.opportunities.platforms.lookout import HeldScans
+from planner.planning.opportunities.margins import KEPT, NOTHING, WindowScene
+from planner.planning.opportunities.platforms.lookout import HeldScans, Narrowing, kept_before
 from planner.planning.opportunities.request import OpportunityConditions
 from planner.planning.opportunities.sessions import hold, hold_line
 from planner.planning.opportunities.sights import Sight
@@ -21,7 +21,7 @@ from planner.planning.opportunities.windows import Cause
 from planner.planning.resources import spans_above
 from planner.world.attitude import AttitudeLaw, LvlhAttitude
 from planner.world.attitude.lvlh import level_warnings
-from planner.world.exclusions import Surroundings
+from planner.world.exclusions import Surroundings, unkept_told
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms import AnyPlatform, TwoAxisPlatform
@@ -103,14 +103,12 @@ class TwoAxisLookout:
             for start_s, stop_s in spans_above(kept, long_s):
                 if stop_s - start_s < shortest_s:
                     continue
-                opened, closed = found.cause[row]
+                ends_s = np.array([rise_s + start_s, rise_s + stop_s])
+                unkept = KEPT + np.argmin(self._margins_rad(sight, number, ends_s), axis=0)
                 rows.append(row)
-                edges_s.append((rise_s + start_s, rise_s + stop_s))
+                edges_s.append(ends_s)
                 causes.append(
-                    (
-                        opened if start_s == 0.0 else EXCLUSION,
-                        closed if stop_s == long_s else EXCLUSION,
-                    )
+                    np.where([start_s == 0.0, stop_s == long_s], found.cause[row], unkept)
                 )
         return Found(
             target=found.target[rows],
@@ -125,6 +123,10 @@ class TwoAxisLookout:
 
     def _kept_rad(self, sight: Sight, number: int, t_s: Array) -> Array:
         """The least margin of all directions at instants of a look at one target, (n,)."""
+        return np.asarray(self._margins_rad(sight, number, t_s).min(axis=0))
+
+    def _margins_rad(self, sight: Sight, number: int, t_s: Array) -> Array:
+        """Of each direction, (k, n)."""
         carrier = sight.carrier
         instants = Instants(carrier.start_utc, t_s)
         states = carrier.states(instants)
@@ -138,19 +140,21 @@ class TwoAxisLookout:
                 q_eci_from_body = self.attitude.q_body_from_eci(instants, states).inv()
                 direction_eci = q_eci_from_body.apply(unit_vector(one.direction_body))
             margins.append(around.kept_margin_rad(one, direction_eci))
-        return np.asarray(np.min(margins, axis=0))
+        return np.stack(margins)
 
-    def narrowing(self) -> tuple[tuple[Closing, AnyPlatform, str], ...]:
+    def kept_names(self, images: bool) -> tuple[str, ...]:
+        return tuple(f"directions.{one.name}" for one in self.platform.directions)
+
+    def narrowing(self) -> Iterator[Narrowing]:
         within = "no angles of the axes within their stops point there while it is in sight"
         hidden = "what stands in the platform's view hides it whenever the axes can point there"
-        near = (
-            "whenever the axes can point there, one of directions is too near to what it keeps "
-            "away from, or too far from what it stays near"
-        )
         masked = replace(self.platform, directions=())
-        bare = replace(masked, masks=())
-        steps: list[tuple[Closing, AnyPlatform, str]] = [("reach", bare, within)]
-        steps += [("mask", masked, hidden)] if masked.masks else []
-        return (
-            (*steps, ("exclusion", self.platform, near)) if masked != self.platform else (*steps,)
-        )
+        yield Narrowing("reach", replace(masked, masks=()), within, "reach")
+        if masked.masks:
+            yield Narrowing("mask", masked, hidden, "mask")
+        names, directions = self.kept_names(images=True), self.platform.directions
+        for count, name in enumerate(names, start=1):
+            kept = replace(masked, directions=directions[:count])
+            told = replace(directions[count - 1], name=name)
+            because = f"whenever the axes can point there{kept_before(count)}, {unkept_told(told)}"
+            yield Narrowing("exclusion", kept, because, name)

@@ -39,7 +39,8 @@ export function searchAgain(): void {
 }
 
 // Where the boresight comes to an edge; at the others only the sight ends.
-const EDGES: ReadonlySet<string> = new Set(["reach", "across", "mask", "exclusion", "sun_keep_out", "moon_keep_out"]);
+const EDGES: ReadonlySet<string> = new Set(["reach", "across", "mask", "star_trackers", "sun_keep_out", "moon_keep_out"]);
+const KEPT = /^(exclusions|directions)\./;
 const AWAY_FROM_A_STOP = 0.05;
 const GRID_MS = 200; // of the command table
 const EDGE_MS = 1000;
@@ -82,7 +83,7 @@ function longestOf(target: Target | undefined): number {
 function held(window: Window, session: NonNullable<Window["session"]>): [number, number] {
   const [first, last] = [Date.parse(session.start), Date.parse(session.stop)];
   const away = Math.ceil((AWAY_FROM_A_STOP * (last - first)) / GRID_MS) * GRID_MS;
-  const isFree = (by: string, gap_ms: number) => !EDGES.has(by) && gap_ms < EDGE_MS;
+  const isFree = (by: string, gap_ms: number) => !EDGES.has(by) && !KEPT.test(by) && gap_ms < EDGE_MS;
   return [
     isFree(window.opened_by, first - Date.parse(window.rise)) ? first : first + away,
     isFree(window.closed_by, Date.parse(window.set) - last) ? last : last - away,
