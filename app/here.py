@@ -110,6 +110,11 @@ class Desk:
         self._open[job_id := new_id()] = make
         return _job(job_id)
 
+    def planned(self, plan_ids: Sequence[str]) -> "list[MadePass]":
+        """Passes of campaigns with these plans that are kept yet."""
+        found = {one.plan: one for kept in self._kept.values() for one in kept.passes}
+        return [found[plan_id] for plan_id in plan_ids if plan_id in found]
+
     def kept(self, kept_id: str) -> Kept:
         """Raises InvalidInput."""
         if kept_id not in self._kept:
@@ -269,7 +274,14 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
-    from app.work.campaign import MadePass, choose, plan_pass, require_both, revised
+    from app.work.campaign import (
+        MadePass,
+        choose,
+        plan_pass,
+        plans_that_stay,
+        require_both,
+        revised,
+    )
 
     body, query = work.body, work.ask.query
     before, frozen_until = query.get("revises"), query.get("frozen_until")
@@ -277,7 +289,8 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     if before is not None:
         body = revised(body, frozen_until, json.loads(desk.kept(before).text(before)))
     chosen, passes = choose(body), []
-    made: list[MadePass] = []
+    choice = json.loads(unzip(chosen.document))
+    made: list[MadePass] = desk.planned(plans_that_stay(choice))
     for number, wanted in enumerate(chosen.parts):
         report("plans", number, len(chosen.parts))
         part, new = plan_pass(wanted)
@@ -293,7 +306,7 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     members = {
         "state": "done",
         "name": json.loads(body).get("name", ""),
-        "choice": json.loads(unzip(chosen.document)),
+        "choice": choice,
         "passes": passes,
     }
     return Kept(
@@ -307,7 +320,7 @@ def told_pass(
     part: Part, state: str = "queued", plan: str = "", problem: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """As a campaign's answer tells it."""
-    names = ("carrier", "start", "stop", "looks", "left_out")
+    names = ("carrier", "start", "stop", "looks", "left_out", "resources")
     facts = {name: part.facts[name] for name in names if name in part.facts}
     return {**facts, "number": part.facts["pass"], "state": state, "plan": plan, "problem": problem}
 

@@ -20,7 +20,7 @@ from planner.planning.campaigns.chosen import (
     UnchosenTarget,
     UnseenByAll,
 )
-from planner.planning.campaigns.revision import RevisionFound
+from planner.planning.campaigns.revision import PassResources, RevisionFound
 from planner.planning.opportunities.closing import Unseen
 
 
@@ -107,11 +107,12 @@ class LookLeftOut:
 class CampaignPassOut:
     """Looks planned together: from rest at `start` to rest at `stop`.
 
-    number: from 0, in order of time. E.g. `1`.
+    number: from 0, in order of time; of a revision after that of the passes that stay. E.g. `1`.
     plan: id of its plan, GET /v1/plans/{id}. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     state: state of the work on that plan.
     start: row 0 of its table; UTC. E.g. `"2015-02-27T17:32:46.000Z"`.
     stop: last row of its table; UTC. E.g. `"2015-02-27T17:38:08.000Z"`.
+    resources: what they hold at its ends; null without any.
     looks: those chosen for this pass.
     left_out: looks that could not be flown; a plan without them took the place of the one that was
     refused.
@@ -123,6 +124,7 @@ class CampaignPassOut:
     state: JobState
     start: str
     stop: str
+    resources: PassResources | None
     looks: list[SerializeAsAny[ChosenLook]]  # as they were told and stored
     left_out: list[LookLeftOut]
     problem: Problem | None
@@ -213,6 +215,7 @@ def _pass_out(part: Job) -> CampaignPassOut:
         state=part.state,
         start=facts["start"],
         stop=facts["stop"],
+        resources=facts.get("resources") and from_store(PassResources, facts["resources"]),
         looks=facts["looks"],
         left_out=[from_store(LookLeftOut, look) for look in facts["left_out"]],
         problem=job_members(part)["problem"],

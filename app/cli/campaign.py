@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 from rich.console import Console
@@ -14,6 +14,10 @@ from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
 from app.requests.json_reader import json_document
 from planner.base.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from app.cli.local import Local
+    from app.cli.service import TellingClient
 
 
 def campaign(
@@ -56,7 +60,7 @@ def campaign(
     url: files.Url = None,
 ) -> None:
     """Choose and plan sessions of many targets over days."""
-    from app.work.campaign import looks_csv, require_both
+    from app.work.campaign import looks_csv, plans_that_stay, require_both
     from slewtrack.client.calls import CAMPAIGN_FILES
 
     with files.report_beside(json, csv, exports=export) as console:
@@ -64,9 +68,12 @@ def campaign(
         body = files.read_request(file, settings)
         flags = "--revises", "--frozen-until"
         require_both(revises, frozen_until, flags, flags)
+        before: Sequence[Members] = ()
         if revises is not None and (url is None or Path(revises).exists()):
-            body = _revised_by(body, frozen_until, Path(revises))
+            body, before = _revised_by(body, frozen_until, Path(revises))
             revises = frozen_until = None
+        elif revises is not None and csv:  # which the service has whole
+            wanted, csv = [*wanted, ("csv", csv)], None
         if dry_run and url is not None:
             raise InvalidInput(
                 "a service plans what it chooses: leave out --url, or --dry-run", field="--dry-run"
@@ -85,15 +92,17 @@ def campaign(
                 )
             choice, passes = made.members["choice"], made.members["passes"]
             print_campaign(console, choice, passes)
+            if wanted and before:
+                told = "files of --export lack the passes that stay: a file of --json has no tables"
+                parts.print_warnings(console, [told])
             if url is not None:
                 console.print(f"kept as {made.id}")
             for name, path in wanted:
                 files.write(path, planner.export_campaign(made, name))
-            for one in passes if plans else ():
-                if one["problem"] is None:
-                    stem = f"{plans}/pass-{_number(one)}"
-                    files.write_json(Path(f"{stem}.json"), planner.get(one["plan"]).members)
-                    files.write_json(Path(f"{stem}-request.json"), planner.request(one["plan"]))
+            if plans:
+                _write_plans(plans, planner, passes)
+        stay = plans_that_stay(choice)
+        passes = [*(one for one in before if one["plan"] in stay), *passes]
         if csv:
             flown = [one for one in passes if one["problem"] is None]
             looks = ({**_of(one), **look} for one in flown for look in one["looks"])
@@ -101,13 +110,23 @@ def campaign(
         files.write_json(json, {**choice, "passes": passes})
 
 
-def _revised_by(body: bytes, frozen_until: str | None, file: Path) -> bytes:
-    """The request with the looks of an answer that --json wrote, or a service gave."""
+def _write_plans(folder: Path, planner: "Local | TellingClient", passes: Sequence[Members]) -> None:
+    for one in passes:
+        if one["problem"] is None:
+            stem = f"{folder}/pass-{_number(one)}"
+            files.write_json(Path(f"{stem}.json"), planner.get(one["plan"]).members)
+            files.write_json(Path(f"{stem}-request.json"), planner.request(one["plan"]))
+
+
+def _revised_by(
+    body: bytes, frozen_until: str | None, file: Path
+) -> tuple[bytes, Sequence[Members]]:
+    """The request with the looks of an answer that --json wrote, or a service gave; its passes."""
     from app.work.campaign import revised
 
     answer = json_document(file.read_bytes())
     try:
-        return revised(body, frozen_until, answer)  # type: ignore[arg-type]  # or refused here
+        return revised(body, frozen_until, answer), answer["passes"]  # type: ignore[arg-type,index]  # or refused here
     except (AttributeError, LookupError, TypeError) as fault:
         raise InvalidInput(
             f"{str(file)[:80]!r} holds no campaign's answer, such as --json writes ({fault})",

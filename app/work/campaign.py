@@ -52,11 +52,12 @@ def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -
     if isinstance(request, FleetRequest):
         words = {one["id"]: one for one in document["carriers"]}
         told = _fleet_choice(told, request, campaign)
+    first = campaign.revision.next_number if campaign.revision else 0
     return Result(
         content=(zlib.compress(to_json(told)),),
         parts=tuple(
             _part(document, words[flight.carrier], requests[flight.carrier], number, flight)
-            for number, flight in enumerate(campaign.passes)
+            for number, flight in enumerate(campaign.passes, first)
         ),
     )
 
@@ -93,14 +94,26 @@ def revised(body: bytes, frozen_until: str | None, campaign: Mapping[str, Any]) 
     looks = [
         {name: look.get(name) for name in ("target", "part", "start", "stop", "value")}
         | {"carrier": one.get("carrier"), "plan": one["plan"]}
-        | {"pass_start": one["start"], "pass_stop": one["stop"]}
+        | {"pass_start": one["start"], "pass_stop": one["stop"], "pass_number": one["number"]}
+        | {"pass_resources": one.get("resources")}
         for one in campaign["passes"]
         if one["state"] == "done"
         for look in one["looks"]
     ]
-    frozen = (choice.get("revision") or {}).get("frozen", [])
+    told = {(look["plan"], look["pass_start"]) for look in looks}
+    frozen = [one for one in _frozen(choice) if (one["plan"], one["pass_start"]) not in told]
     document["revises"] = {"frozen_until": frozen_until, "looks": [*frozen, *looks]}
     return json.dumps(document).encode()
+
+
+def _frozen(choice: Mapping[str, Any]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = (choice.get("revision") or {}).get("frozen", [])
+    return found
+
+
+def plans_that_stay(choice: Mapping[str, Any]) -> list[str]:
+    """Ids of the plans of a revision's passes that stay."""
+    return [*dict.fromkeys(look["plan"] for look in _frozen(choice) if look["plan"])]
 
 
 def _fleet_choice(
@@ -169,6 +182,7 @@ def _part(
             "stop": utc_text(flight.stop_utc),
             "looks": looks,
             "left_out": [],
+            **({"resources": vars(flight.held)} if flight.held else {}),
         },
     )
 

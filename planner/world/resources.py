@@ -15,7 +15,7 @@ EnergyWh = Annotated[float, Within(0.0, 1e6)]
 Gbit = Annotated[float, Within(0.0, 1e6)]
 GbitS = Annotated[float, Within(0.0, 1e3)]
 _WheelNMS = Annotated[float, Within(1e-6, 1e5)]
-_StartNMS = Annotated[float, Within(-1e5, 1e5)]
+StartNMS = Annotated[float, Within(-1e5, 1e5)]
 _TorqueNM = Annotated[float, Within(-1e3, 1e3)]
 
 ResourceName = Literal["battery", "memory", "momentum_x", "momentum_y", "momentum_z"]
@@ -175,7 +175,7 @@ class Momentum:
     """
 
     capacity_n_m_s: tuple[_WheelNMS, _WheelNMS, _WheelNMS]
-    start_n_m_s: tuple[_StartNMS, _StartNMS, _StartNMS] = (0.0, 0.0, 0.0)
+    start_n_m_s: tuple[StartNMS, StartNMS, StartNMS] = (0.0, 0.0, 0.0)
     torque_body_n_m: tuple[_TorqueNM, _TorqueNM, _TorqueNM] = (0.0, 0.0, 0.0)
     unload_n_m: Annotated[float, Within(0.0, 1e3)] = 0.0
 

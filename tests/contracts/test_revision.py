@@ -1,18 +1,24 @@
 """A campaign that revises another: what stays, what is chosen anew, and what became of targets."""
 
+import io
 import itertools
 import json
+import re
+import zipfile
 import zlib
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+import slewtrack
 from app.cli import main
+from app.here import told_pass
 from app.requests.campaign import read_campaign_request
 from app.work.campaign import choose, revised
 from app.work.plan import plan_and_pack
-from planner.base.errors import InvalidInput, InvalidRequest
+from planner.base.errors import InvalidRequest, Refusal
 from planner.world.frames.time_scales import elapsed_s, utc_from_text
 from slewtrack.client import Client, Refused
 
@@ -28,10 +34,9 @@ LATE["target"] = {"mode": "ground", "latitude_deg": 41.8781, "longitude_deg": -8
 def chosen(asked):
     """The answer as a service would give it, were every pass planned as chosen."""
     made = choose(json.dumps(asked).encode())
-    passes = [
-        {**part.facts, "state": "done", "plan": f"plan {n}"} for n, part in enumerate(made.parts)
-    ]
-    return {"choice": json.loads(zlib.decompress(made.document)), "passes": passes}, made.parts
+    passes = [told_pass(part, "done", f"plan {n}") for n, part in enumerate(made.parts)]
+    told = {"choice": json.loads(zlib.decompress(made.document)), "passes": passes}
+    return json.loads(json.dumps(told)), made.parts
 
 
 @pytest.fixture(scope="module")
@@ -184,14 +189,18 @@ def test_a_refusal_names_the_field(name, change, field, way_out):
 @pytest.mark.parametrize(
     ("change", "field", "way_out"),
     [
-        ({"conditions": {"duty_cycle": {"imaging_max_s": 100.0}}}, "conditions.duty_cycle", "span"),
+        (
+            {"conditions": {"duty_cycle": {"imaging_max_s": 30.0, "span_s": 9000.0}}},
+            "revises.frozen_until",
+            "let less stay, or allow more",
+        ),
         ({"targets": ASKED["cities"]["targets"][:1]}, "revises.frozen_until", "freeze less"),
     ],
 )
 def test_what_cannot_be_revised_is_refused(change, field, way_out):
     looks = [LOOK | {"target": ASKED["cities"]["targets"][0]["id"]}]
     asked = ASKED["cities"] | {"revises": {"frozen_until": UNTIL, "looks": looks}} | change
-    with pytest.raises((InvalidInput, InvalidRequest)) as refused:
+    with pytest.raises((Refusal, InvalidRequest)) as refused:
         choose(json.dumps(asked).encode())
     errors = getattr(refused.value, "errors", None) or [refused.value]
     assert any(one.field == field and way_out in one.detail for one in errors)
@@ -219,6 +228,76 @@ def test_the_service_revises_by_id_and_the_client_asks_it(service):
             problem = refused.value.problem
             errors = problem.members.get("errors") or [problem.members]
             assert any(one["field"] == field and detail in one["detail"] for one in errors), errors
+
+
+def passes_in(content, format_name):
+    """What a campaign's file holds of each pass, by its number."""
+    found = {}
+    if format_name == "zip":
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            for name in set(archive.namelist()) - {"looks.csv"}:
+                found.setdefault(int(name.split("-")[1].split(".")[0]), []).append(
+                    (name, archive.read(name))
+                )
+        return {number: sorted(files) for number, files in found.items()}
+    if format_name == "csv":
+        for line in content.decode().splitlines()[1:]:
+            found.setdefault(int(line.split(",")[0]), []).append(line)
+    elif format_name == "geojson":
+        for one in json.loads(content)["features"]:
+            found.setdefault(one["properties"]["pass"], []).append(one)
+    else:
+        for one in content.decode().split("<Placemark")[1:]:
+            number = re.search(r"pass: (\d+)", one)[1]
+            found.setdefault(int(number), []).append(one.partition("</Placemark>")[0])
+    return found
+
+
+@pytest.mark.parametrize("asks", ["a service", "this process"])
+def test_files_of_a_revision_hold_what_stays_as_it_was_and_what_is_chosen_anew(service, asks):
+    """Of a revision's revision, too."""
+    with Client(service.address) if asks == "a service" else nullcontext(slewtrack) as door:
+        asked = ASKED["cities"]
+        first = door.campaign(asked)
+        starts = [one.start for one in first.passes]
+        second = door.campaign(asked, revises=first.id, frozen_until=starts[1])
+        late = asked | {"targets": [*asked["targets"], LATE]}
+        third = door.campaign(late, revises=second.id, frozen_until=second.passes[0].stop)
+        assert [one.number for one in second.passes] == [*range(1, 1 + len(second.passes))]
+        for format_name in ("csv", "geojson", "kml", "zip"):
+            own = [
+                passes_in(door.export_campaign(one, format_name), format_name)
+                for one in (first, second, third)
+            ]
+            assert own[1][1] == own[0][1]
+            assert [own[2][number] for number in (1, 2)] == [own[1][number] for number in (1, 2)]
+            for campaign, held in zip((first, second, third), own, strict=True):
+                anew = {one.number + 1 for one in campaign.passes}
+                stay = {
+                    look["pass_number"] + 1
+                    for look in (campaign["choice"]["revision"] or {"frozen": []})["frozen"]
+                }
+                assert {*held} == stay | anew
+                assert not stay & anew
+
+
+def test_lines_of_a_revision_by_a_file_hold_what_stays(tmp_path):
+    """What the command writes of it is revised again."""
+    asked, lines, until = json.dumps(ASKED["fleet"]), [], None
+    for number in range(3):
+        words = ["campaign", "-", "--json", f"{tmp_path}/{number}.json"]
+        words += ["--csv", f"{tmp_path}/looks.csv", "--export", f"kml={tmp_path}/looks.kml"]
+        if until:
+            words += ["--revises", f"{tmp_path}/{number - 1}.json", "--frozen-until", until]
+        made = CliRunner().invoke(main, words, input=asked)
+        assert made.exit_code == 0, made.stderr
+        assert ("files of --export lack" in made.stdout) == bool(until)
+        lines.append(passes_in((tmp_path / "looks.csv").read_bytes(), "csv"))
+        told = json.loads((tmp_path / f"{number}.json").read_text())
+        assert {one["number"] + 1 for one in told["passes"]} == {*lines[-1]}
+        until = told["passes"][number]["stop"]
+    assert lines[1][1] == lines[0][1]
+    assert [lines[2][number] for number in (1, 2)] == [lines[1][number] for number in (1, 2)]
 
 
 def test_the_command_revises_by_a_file(tmp_path, before):

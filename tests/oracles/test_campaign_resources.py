@@ -22,7 +22,7 @@ from app.requests.campaign import read_campaign_request
 from app.requests.plan import read_plan_request
 from app.work.campaign import choose, plan_pass
 from app.work.result import Result
-from planner.base.errors import ResourceRunsOut
+from planner.base.errors import InvalidInput, ResourceRunsOut
 from planner.planning.campaigns import (
     CampaignCarrier,
     FleetRequest,
@@ -31,14 +31,16 @@ from planner.planning.campaigns import (
 )
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns.charging import Charging
+from planner.planning.campaigns.flown import resources_left
 from planner.planning.campaigns.path import best_path
 from planner.planning.campaigns.request import CampaignCommon, CarrierCommon
+from planner.planning.campaigns.revision import EarlierLook, PassResources, Revision
 from planner.planning.resources import Along, Uses, resource_curves
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
 from planner.world.clouds import Clouds
 from planner.world.conditions import DutyCycle
-from planner.world.frames.time_scales import elapsed_s
+from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.platforms.choice import BODIES
 from planner.world.resources import Battery, Memory, Momentum, Panel, Resources, Station
 
@@ -82,34 +84,44 @@ def around_of(carrier):
     return Charging(carrier._request, carrier._looks.viewing.ephemeris)
 
 
+def least_left(request, around, looks_s, passes_s):
+    """The least room left of each resource, by the planner's own integration.
+
+    looks_s, passes_s: from when to when, in order of time.
+    """
+    if (duty := request.duty_cycle) is not None:
+        looks = np.array(looks_s).reshape(-1, 2)
+        ends = np.concatenate([looks.ravel(), looks.ravel() + duty.span_s])[:, None]
+        parts = np.minimum(looks[:, 1], ends) - np.maximum(looks[:, 0], ends - duty.span_s)
+        most_s = np.maximum(parts, 0.0).sum(axis=1).max(initial=0.0)
+        yield 1.0 - most_s / duty.imaging_max_s
+    if around is None:
+        return
+    rests = [0.0, *(end for one in passes_s for end in one), around.last_s]
+    battery = around.resources.battery
+    uses = Uses(
+        sessions=tuple(looks_s),
+        targets=(request.targets[0].target,) * len(looks_s),
+        idle=tuple(zip(rests[::2], rests[1::2], strict=True)),
+    )
+    t_s = np.unique(np.concatenate([np.arange(0.0, around.last_s, 60.0), rests]))
+    charge_w = np.full(len(t_s), (battery.sunlight_w or 0.0) if battery else 0.0)
+    along = Along(charge_w, *(np.zeros(0) for _ in range(3)))
+    for curve in around.curves(t_s, along, uses, with_wheels=False):
+        yield curve.room.min() / curve.capacity
+
+
 def least_room(keeping, passes):
-    """The least room left of each resource, by the planner's own integration."""
+    """The least room left of each resource."""
     for carrier, numbers in zip(keeping.carriers, keeping.passes_of, strict=True):
         flown = [passes[n] for n in numbers if passes[n]]
-        spans = [[carrier.ends_s(look) for look in looks] for looks in flown]
-        if (duty := carrier._request.duty_cycle) is not None:
-            looks = np.array([span for one in spans for span in one]).reshape(-1, 2)
-            ends = np.concatenate([looks.ravel(), looks.ravel() + duty.span_s])[:, None]
-            parts = np.minimum(looks[:, 1], ends) - np.maximum(looks[:, 0], ends - duty.span_s)
-            most_s = np.maximum(parts, 0.0).sum(axis=1).max(initial=0.0)
-            yield 1.0 - most_s / duty.imaging_max_s
-        if carrier.resources is None:
-            continue
-        around = around_of(carrier)
-        rests = [0.0, *(end for one in flown for end in carrier.span_s(one)), around.last_s]
-        battery, targets = around.resources.battery, carrier._looks.candidates
-        uses = Uses(
-            sessions=tuple(span for one in spans for span in one),
-            targets=(targets[0].target,) * sum(map(len, flown)),
-            idle=tuple(zip(rests[::2], rests[1::2], strict=True)),
+        looks_s = [carrier.ends_s(look) for looks in flown for look in looks]
+        around = carrier.resources and around_of(carrier)
+        yield from least_left(
+            carrier._request, around, looks_s, [carrier.span_s(one) for one in flown]
         )
-        t_s = np.unique(np.concatenate([np.arange(0.0, around.last_s, 60.0), rests]))
-        charge_w = np.full(len(t_s), (battery.sunlight_w or 0.0) if battery else 0.0)
-        along = Along(charge_w, *(np.zeros(0) for _ in range(3)))
-        for curve in around.curves(t_s, along, uses, with_wheels=False):
-            yield curve.room.min() / curve.capacity
         if (wheels := carrier.wheels) is not None:
-            most = np.array(around.resources.momentum.capacity_n_m_s)
+            most = np.array(carrier.resources.momentum.capacity_n_m_s)
             yield 1.0 - np.abs(wheels.held([carrier.turned(one) for one in flown])[1] / most).max()
 
 
@@ -208,6 +220,130 @@ def test_no_subset_that_keeps_is_worth_more_than_the_bound(monkeypatch, carriers
     assert campaign.bound <= free.bound + 1e-9
     for one in campaign.left_out:
         assert (one.lacks is None) == ("pass its limit" not in one.because)
+
+
+def earlier_looks(campaign, passes):
+    """As an answer tells them to a revision."""
+    return tuple(
+        EarlierLook(
+            target=look.target,
+            carrier=flight.carrier or None,
+            start=look.start_utc,
+            stop=look.stop_utc,
+            pass_start=flight.start_utc,
+            pass_stop=flight.stop_utc,
+            pass_resources=flight.held,
+            value=look.value,
+        )
+        for flight in campaign.passes[:passes]
+        for look in flight.looks
+    )
+
+
+def least_flown(request, looks):
+    """Of all carriers, over frozen passes and new ones: the least room of any resource."""
+    least = []
+    for carrier, own in request.requests.items():
+        flown = sorted(
+            (one for one in looks if (one.carrier or "") == carrier), key=lambda x: x.start
+        )
+        spans = [
+            [tuple(elapsed_s(at, own.start) for at in ends) for ends in of]
+            for of in (
+                [(one.start, one.stop) for one in flown],
+                dict.fromkeys((one.pass_start, one.pass_stop) for one in flown),
+            )
+        ]
+        around = own.resources and Charging(own, own.orbit.ephemeris(own.start, own.stop))
+        least += least_left(own, around, *spans)
+    return min(least)
+
+
+@pytest.mark.parametrize("passes", [1, 2])
+@pytest.mark.parametrize(
+    ("carriers", "days"),
+    [
+        ([{"resources": Resources(battery=POOR, memory=SENT)}], 1.0),
+        ([{"duty_cycle": replace(DUTY, imaging_max_s=90.0, span_s=40_000.0)}], 1.0),
+        ([{"resources": Resources(memory=TIGHT)}, {"duty_cycle": DUTY}], 0.5),
+    ],
+)
+def test_a_revision_keeps_resources_over_what_stays(carriers, days, passes):
+    """Which it would not, had the passes that stay taken nothing."""
+    request = request_for(MIXED, days)
+    if len(carriers) > 1:
+        request = fleet_of(request, *carriers)
+    else:
+        own = dict(carriers[0])
+        duty = own.pop("duty_cycle", None)
+        request = replace(request, conditions=replace(request.conditions, duty_cycle=duty), **own)
+    first = choose_campaign(request)
+    looks = earlier_looks(first, passes)
+    until = max(one.pass_stop for one in looks)
+    more = tuple(replace(one, priority=5.0) for one in request.targets[::2])
+    wanted = tuple({one.id: one for one in (*request.targets, *more)}.values())
+    revised = replace(request, targets=wanted, revises=Revision(frozen_until=until, looks=looks))
+    again = choose_campaign(revised)
+    assert least_flown(request, (*looks, *earlier_looks(again, None))) >= -1e-6
+    assert set(again.warnings) <= set(first.warnings)
+    forgetful = choose_campaign(replace(revised, start=until, revises=None))
+    assert least_flown(request, (*looks, *earlier_looks(forgetful, None))) < -1e-3
+
+
+def test_panels_and_wheels_hold_after_what_stays_what_they_held_before():
+    """Where looks are chosen anew, by what the passes that stay held at their ends: as when they
+    were chosen, and shifted by what the request begins with otherwise."""
+    panels = (Panel(normal_body=(0.0, 0.0, -1.0), power_w=180.0),)
+    battery = replace(POOR, least_wh=60.0, imaging_w=400.0, sunlight_w=None, panels=panels)
+    resources = Resources(battery=battery, memory=SENT, momentum=WHEELS)
+    request = request_for(MIXED, 1.0, resources=resources, **SMALLSAT)
+    campaign = choose_campaign(request)
+    assert len(campaign.passes) > 2
+    for count, flight in enumerate(campaign.passes[1:], 1):
+        revision = Revision(frozen_until=flight.start_utc, looks=earlier_looks(campaign, count))
+        anew = replace(request, start=flight.start_utc, revises=revision)
+        left = resources_left(request, anew, "")
+        battery_wh, memory_gbit, momentum_n_m_s = (begun for begun, _ in vars(flight.held).values())
+        assert abs(left.battery.start_wh - battery_wh) <= 1e-4 * battery.capacity_wh
+        assert abs(left.memory.start_gbit - memory_gbit) <= 1e-6 * SENT.capacity_gbit
+        np.testing.assert_allclose(left.momentum.start_n_m_s, momentum_n_m_s, atol=2e-3 * 0.2)
+        less = replace(resources, battery=replace(battery, start_wh=battery_wh))
+        poorer = resources_left(replace(request, resources=less), anew, "")
+        assert battery.least_wh <= poorer.battery.start_wh <= left.battery.start_wh + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "way_out"),
+    [
+        ({"pass_resources": None}, "revises.looks", "chosen with the battery"),
+        ({"lasts_s": 7200.0}, "revises.looks", "at the same time"),
+        (
+            {"pass_resources": PassResources(battery_wh=(110.0, 10.0), memory_gbit=(0.0, 1.0))},
+            "resources.battery",
+            "let less stay",
+        ),
+    ],
+)
+def test_passes_that_stay_without_their_resources_are_refused(changes, field, way_out):
+    request = request_for(MIXED, 0.5, resources=Resources(battery=POOR, memory=SENT))
+    held = PassResources(battery_wh=(110.0, 100.0), memory_gbit=(0.0, 1.0))
+    own = dict(changes)
+    if lasts_s := own.pop("lasts_s", None):
+        own["pass_stop"] = shifted_utc(request.start, lasts_s)
+    looks = tuple(
+        EarlierLook(
+            target="gone",
+            **{"pass_resources": held, "pass_stop": shifted_utc(begin, 120.0)}
+            | (own if number == 0 else {})
+            | {"start": begin, "stop": shifted_utc(begin, 60.0), "pass_start": begin},
+        )
+        for number, begin in enumerate([request.start, shifted_utc(request.start, 3600.0)])
+    )
+    until = shifted_utc(request.start, 9000.0)
+    revised = replace(request, revises=Revision(frozen_until=until, looks=looks))
+    with pytest.raises((InvalidInput, ResourceRunsOut), match=way_out) as refused:
+        choose_campaign(revised)
+    assert refused.value.field == field
 
 
 @pytest.mark.parametrize(("changes", "power_w"), [({}, 400.0), (SMALLSAT, 180.0)])

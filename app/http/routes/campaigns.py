@@ -19,6 +19,8 @@ from app.http.openapi.schema import json_body_of
 from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource
 from app.http.routes.parameters import IdempotencyKey, PlanId, Prefer, QueryTime
+from app.ids import is_id
+from app.jobs.job_completion import OF_CAMPAIGN
 from app.jobs.kinds import CAMPAIGN, ORDER
 from app.jobs.refusals import Conflict
 from app.requests.campaign import CAMPAIGN_READER
@@ -27,7 +29,15 @@ from app.requests.listings import listing_of_search
 from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.job import Job
-from app.work.campaign import SUFFIXES, MadePass, campaign_file, require_both, revised
+from app.store.packed import unzip
+from app.work.campaign import (
+    SUFFIXES,
+    MadePass,
+    campaign_file,
+    plans_that_stay,
+    require_both,
+    revised,
+)
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,
@@ -131,10 +141,14 @@ async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:
 
 async def _write_file(request: Request, job: Job, media_type: str) -> bytes:
     def reading(connection: Connection) -> tuple[bytes, list[MadePass]]:
-        made = [plans.get(connection, part) for part in jobs.parts_of(connection, job.id)]
+        document = results.document(connection, job.id)
+        stay = plans_that_stay(json.loads(unzip(document))) if document else []
+        parts = [jobs.get(connection, plan_id) for plan_id in stay if is_id(plan_id)]
+        parts += jobs.parts_of(connection, job.id)
+        made = [plans.get(connection, one) for one in parts if one and OF_CAMPAIGN in one.options]
         passes = [
             MadePass(
-                facts=plan.options["campaign"],
+                facts=plan.options[OF_CAMPAIGN],
                 plan=plan.id,
                 request=jobs.request_of(connection, plan.id) or b"",
                 table_columns=plan.table_columns,

@@ -25,13 +25,15 @@ from planner.planning.campaigns.chosen import (
 )
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.fleet import FleetRequest
+from planner.planning.campaigns.flown import resources_left
 from planner.planning.campaigns.joined import Joined, joined_of
 from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.resources import Keeping, RunsOut
-from planner.planning.campaigns.revision import RevisionFound
+from planner.planning.campaigns.revision import PassResources, RevisionFound
+from planner.planning.campaigns.stores import begun_with
 from planner.planning.opportunities.closing import Unseen
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
@@ -45,7 +47,7 @@ class ChosenPass:
     """Looks in order of time, with the platform at rest from start and again by stop.
 
     carrier: id of the one that flies it; empty where there is but one.  resources: as the passes
-    before leave them, where the campaign has any.
+    before leave them, where the campaign has any.  held: what they hold then, and at its stop.
     past_looks: of the passes before it, where a rule is among looks.
     """
 
@@ -54,6 +56,7 @@ class ChosenPass:
     stop_utc: datetime
     looks: tuple[ChosenLook, ...]
     resources: Resources | None = None
+    held: PassResources | None = None
     past_looks: tuple[PastLook, ...] = ()
 
 
@@ -113,11 +116,14 @@ def choose_what_is_asked(
         return request.requests, choose_together(request.requests, tell, request.field_of)
     stays = revises.frozen(request.carrier_ids, request.start)
     requests = revises.chosen_anew(request.requests, stays)
+    for carrier, anew in requests.items():
+        left = resources_left(request.requests[carrier], anew, request.field_of(carrier, ""))
+        requests[carrier] = replace(anew, resources=left)
     found = choose_together(requests, tell, request.field_of)
     return requests, replace(
         found,
         revision=revises.found(stays, found.passes),
-        warnings=(*revises.warnings(stays, requests), *found.warnings),
+        warnings=(*revises.warnings(stays), *found.warnings),
     )
 
 
@@ -363,8 +369,8 @@ def _in_utc(
         own = [n for n in range(len(choice.passes)) if joined.carrier_id(n) == carrier]
         own = [n for n in own if choice.passes[n]]
         passes = [choice.passes[n] for n in own]
-        begins = [None] * len(own) if keeping is None else keeping.begins(place, choice.passes)
-        found = _passes_of(carrier, looks, joined.candidates, passes, begins)
+        held = [None] * len(own) if keeping is None else keeping.held(place, choice.passes)
+        found = _passes_of(carrier, looks, joined.candidates, passes, held)
         flown |= dict(zip(own, found, strict=True))
     return tuple(flown[number] for number in sorted(flown))
 
@@ -374,7 +380,7 @@ def _passes_of(
     looks: CarrierLooks,
     candidates: Sequence[LookCandidate],
     passes: Sequence[Sequence[Look]],
-    begins: Sequence[Resources | None],
+    held: Sequence[PassResources | None],
 ) -> Iterator[ChosenPass]:
     request = looks.request
     row_of = {wanted.id: row for row, wanted in enumerate(request.targets)}
@@ -412,9 +418,9 @@ def _passes_of(
             for scan in [one.scan_at(begin_s) if one.scans else None]
         ]
     )
-    past: tuple[PastLook, ...] = ()
     has_rules = bool(request.conditions.min_gap_s or request.conditions.duty_cycle)
-    for one, resources in zip(passes, begins, strict=True):
+    past = request.revises.past_looks if has_rules and request.revises else ()
+    for one, own in zip(passes, held, strict=True):
         flown = tuple(itertools.islice(pending, len(one)))
         begins_s, ends_s = looks.pass_span_s(
             elapsed_s(flown[0].start_utc, request.start),
@@ -425,7 +431,8 @@ def _passes_of(
             start_utc=shifted_utc(request.start, begins_s),
             stop_utc=shifted_utc(request.start, ends_s),
             looks=flown,
-            resources=resources,
+            resources=begun_with(request.resources, own) if own and request.resources else None,
+            held=own,
             past_looks=past,
         )
         if has_rules:

@@ -27,6 +27,7 @@ class ChargingOptions:
     step_s: float = 10.0  # of charge by panels, linear between: the Sun's cosine errs by 2e-5
     track_s: float = 20.0  # between states on a track: between, its motion is as smooth
     tick_s: float = 30.0  # between looks at a level within a pass, where panels charge
+    known_share: float = 2e-3  # of a capacity: what panels bring is known to it (docs/campaigns.md)
 
 
 CHARGING = ChargingOptions()

@@ -78,11 +78,7 @@ class FleetRequest(CampaignCommon):
                 taken.add(one)
         self._require_known_sensors()
         if self.revises is not None:
-            own = {
-                f"carriers.{n}.duty_cycle": one.duty_cycle for n, one in enumerate(self.carriers)
-            }
-            common = {"conditions.duty_cycle": self.conditions.duty_cycle}
-            self.revises.require(self.start, self.stop, common | own)
+            self.revises.require(self.start, self.stop)
         asked = sum(one.counted_target_days for one in self.requests.values())
         if asked > CAMPAIGN_BOUNDS.target_days_max and not is_kept():
             raise ValueError(

@@ -260,8 +260,7 @@ class CampaignRequest(CarrierCommon, CampaignCommon):
         self._require_bounds()
         self.opportunities()
         if self.revises is not None:
-            duty_cycles = {"conditions.duty_cycle": self.conditions.duty_cycle}
-            self.revises.require(self.start, self.stop, duty_cycles)
+            self.revises.require(self.start, self.stop)
         for row, mode in self.modes.items():
             rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
 

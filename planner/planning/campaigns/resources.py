@@ -21,10 +21,11 @@ from planner.planning.campaigns.joined import Joined
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.programmes import Proposal
+from planner.planning.campaigns.revision import PassResources
 from planner.planning.campaigns.stores import CarrierStores, Curve, Room, Store
 from planner.planning.campaigns.wheels import Beyond, Turned
 from planner.world.frames.time_scales import shifted_utc, utc_text
-from planner.world.resources import Resources, resource_told
+from planner.world.resources import resource_told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,8 +111,10 @@ class Keeping:
                     f"{name and f'{name}: '}the {out.told_name} passes its limit of {out.limit:g} "
                     f"{out.unit} at {utc_text(self.utc(out.at_s), 1)}, in the end by "
                     f"{figures(out.short_value)} {out.unit}, without any look; "
-                    f"{_IDLE_WAYS[out.name]}, or let the campaign stop sooner",
-                    field=field_of(name, f"resources.{out.name}"),
+                    f"{_IDLE_WAYS[out.name]}",
+                    field="revises.frozen_until"
+                    if out.name == "duty_cycle"
+                    else field_of(name, f"resources.{out.name}"),
                     limit=out.name,
                     at_utc=self.utc(out.at_s),
                 )
@@ -260,7 +263,11 @@ class Keeping:
         """Since it was full, or the campaign began, or as long as its span."""
         store, to_s = self._stores[n], float(left.t_s[end])
         if store.span_s is not None:
-            return RoomStretch(n, to_s - store.span_s, to_s, store.most_share)
+            from_s, room = to_s - store.span_s, store.most_share
+            if len(store.before.t_s):
+                before = np.interp([from_s, to_s], *store.before)
+                room -= float(before[1] - before[0])
+            return RoomStretch(n, from_s, to_s, room)
         begin = int(np.argmax(left.whole_share[: end + 1]))
         from_s = float(left.t_s[begin]) if left.whole_share[begin] > store.most_share else 0.0
         came = store.came_by(np.array([from_s, to_s]))
@@ -371,15 +378,17 @@ class Keeping:
             return [(number, look) for look in dict.fromkeys([*before, *after])]
         return []
 
-    def begins(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> list[Resources | None]:
-        """What each pass of a carrier with looks begins with."""
-        return self.carriers[carrier].begins([looks for _, looks in self._own(carrier, passes)])
+    def held(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> list[PassResources | None]:
+        """What each pass of a carrier with looks starts and stops with."""
+        return self.carriers[carrier].held([looks for _, looks in self._own(carrier, passes)])
 
 
 _IDLE_WAYS = {
-    "battery": "begin with more, or take less while idle",
-    "memory": "begin with less",
-    "momentum": "begin with less, unload more, or choose another idle attitude",
+    "battery": "begin with more, take less while idle, or let the campaign stop sooner",
+    "duty_cycle": "let less stay, or allow more",
+    "memory": "begin with less, or let the campaign stop sooner",
+    "momentum": "begin with less, unload more, choose another idle attitude, or let the campaign "
+    "stop sooner",
 }
 
 

@@ -13,8 +13,9 @@ from pydantic import Field
 from planner.base.answer_members import Count, NotNegative, answer
 from planner.base.errors import InvalidInput
 from planner.base.spec import Within, spec
-from planner.world.conditions import DutyCycle
 from planner.world.frames.time_scales import Utc, elapsed_s, shifted_utc, utc_text
+from planner.world.resources import EnergyWh, Gbit, StartNMS
+from planner.world.scenario import PastLook
 
 if TYPE_CHECKING:
     from planner.planning.campaigns.campaign import ChosenPass
@@ -37,6 +38,23 @@ BOUNDS = RevisionBounds()
 
 
 @spec
+class PassResources:
+    """Levels of a carrier's resources as a pass starts, and as it stops, followed by the choice.
+
+    battery_wh: charge at both; null without a battery. E.g. `[160.0, 151.2]`.
+    memory_gbit: data held at both; null without a memory. E.g. `[40.0, 72.0]`.
+    momentum_n_m_s: of the wheels at both, in body axes; null without a momentum. E.g.
+    `[[0.1, -0.2, 0.0], [0.1, -0.1, 0.05]]`.
+    """
+
+    battery_wh: tuple[EnergyWh, EnergyWh] | None = None
+    memory_gbit: tuple[Gbit, Gbit] | None = None
+    momentum_n_m_s: (
+        tuple[tuple[StartNMS, StartNMS, StartNMS], tuple[StartNMS, StartNMS, StartNMS]] | None
+    ) = None
+
+
+@spec
 class EarlierLook:
     """A look of the campaign that is revised, as its answer tells it.
 
@@ -48,6 +66,8 @@ class EarlierLook:
     stop: until when; UTC. E.g. `"2015-02-27T17:36:48Z"`.
     pass_start: start of its pass, where the platform rests; UTC. E.g. `"2015-02-27T17:32:46Z"`.
     pass_stop: end of its pass, where the platform rests again; UTC. E.g. `"2015-02-27T17:38:08Z"`.
+    pass_number: number of its pass; unless given, passes that stay count from 0. E.g. `1`.
+    pass_resources: of its pass, `resources`; required where the carrier has `resources`.
     value: worth of the look as it was chosen. E.g. `0.9`.
     """
 
@@ -59,6 +79,8 @@ class EarlierLook:
     stop: datetime
     pass_start: datetime
     pass_stop: datetime
+    pass_number: Annotated[int, Within(0, 1_000_000)] | None = None
+    pass_resources: PassResources | None = None
     value: Annotated[float, Within(0.0, 1e6)] = 0.0
 
     def __post_init__(self) -> None:
@@ -84,6 +106,8 @@ class RevisedLook:
     stop_utc: until when; UTC. E.g. `"2015-02-27T17:36:48.000Z"`.
     pass_start_utc: start of its pass; UTC. E.g. `"2015-02-27T17:32:46.000Z"`.
     pass_stop_utc: end of its pass; UTC. E.g. `"2015-02-27T17:38:08.000Z"`.
+    pass_number: number of its pass, as of `passes`; null of a look chosen anew. E.g. `1`.
+    pass_resources: of its pass, `resources`; null of a look chosen anew, or without any.
     value: worth of the look as it was chosen. E.g. `0.9`.
     """
 
@@ -95,6 +119,8 @@ class RevisedLook:
     stop_utc: Utc
     pass_start_utc: Utc
     pass_stop_utc: Utc
+    pass_number: Count | None
+    pass_resources: PassResources | None
     value: NotNegative
 
     @property
@@ -143,6 +169,17 @@ class RevisionFound:
     added: Count
     targets: tuple[TargetChange, ...]
 
+    @property
+    def next_number(self) -> int:
+        """Of the first pass chosen anew, after all that stay."""
+        passes = {(look.carrier, look.pass_start_utc) for look in self.frozen}
+        return max(
+            [
+                len(passes),
+                *(look.pass_number + 1 for look in self.frozen if look.pass_number is not None),
+            ]
+        )
+
 
 @spec
 class Revision:
@@ -157,16 +194,8 @@ class Revision:
     frozen_until: datetime
     looks: Annotated[tuple[EarlierLook, ...], Field(max_length=BOUNDS.looks_max)]
 
-    def require(
-        self, start: datetime, stop: datetime, duty_cycles: Mapping[str, DutyCycle | None]
-    ) -> None:
-        """Raises ValueError for a request that can't be revised so.  duty_cycles: by field."""
-        for field, duty_cycle in duty_cycles.items():
-            if duty_cycle is not None:
-                raise ValueError(
-                    f"{field} must be left out of a revision, whose choice doesn't count the looks "
-                    "that stay; ask for a campaign that begins when they have left its span"
-                )
+    def require(self, start: datetime, stop: datetime) -> None:
+        """Raises ValueError for a request that can't be revised so."""
         if not 0.0 <= elapsed_s(self.frozen_until, start) < elapsed_s(stop, start):
             raise ValueError(
                 f"revises.frozen_until ({utc_text(self.frozen_until)}) must not come before start "
@@ -182,12 +211,20 @@ class Revision:
             and ((look.carrier or "") in carriers or elapsed_s(look.pass_stop, start) <= 0.0)
         )
 
+    @property
+    def past_looks(self) -> tuple[PastLook, ...]:
+        """As rules among looks count them."""
+        spans = {(look.start, look.stop) for look in self.looks if look.start < look.stop}
+        past = tuple(PastLook(start=start, stop=stop) for start, stop in sorted(spans))
+        return past[-PastLook.most :]
+
     def chosen_anew(
         self, requests: "Mapping[str, CampaignRequest]", frozen: Sequence[EarlierLook]
     ) -> "dict[str, CampaignRequest]":
         """What each carrier chooses anew, from where it rests after all that stays.
 
         Looks begin on the same grid as before.  A carrier without targets or time is left out.
+        `revises` of each then holds what stays of its own, all before its start.
         Raises InvalidInput where nothing is left to choose.
         """
         had = Counter(look.target for look in frozen if look.part in _FIRST)
@@ -208,13 +245,17 @@ class Revision:
             )
             if not targets or request.span_s - begin_s < BOUNDS.least_s:
                 continue
-            begin_q_xyzw = request.initial_q_body_from_eci_xyzw
+            begin_q_xyzw, begin_utc = (
+                request.initial_q_body_from_eci_xyzw,
+                shifted_utc(request.start, begin_s),
+            )
             found[carrier] = replace(
                 request,
                 targets=targets,
-                start=shifted_utc(request.start, begin_s),
+                start=begin_utc,
                 initial_q_body_from_eci_xyzw=begin_q_xyzw if begin_s == 0.0 else None,
-                revises=None,
+                conditions=replace(request.conditions, duty_cycle=request.duty_cycle),
+                revises=replace(self, frozen_until=begin_utc, looks=tuple(own.get(carrier, ()))),
             )
         if not found:
             raise InvalidInput(
@@ -225,13 +266,8 @@ class Revision:
             )
         return found
 
-    def warnings(
-        self, frozen: Sequence[EarlierLook], anew: "Mapping[str, CampaignRequest]"
-    ) -> list[str]:
-        """Of carriers that are gone, and of resources, which are told as they are later.
-
-        anew: of what is chosen anew.
-        """
+    def warnings(self, frozen: Sequence[EarlierLook]) -> list[str]:
+        """Of carriers that are gone."""
         stays = set(map(id, frozen))
         gone = {
             look.carrier or "a campaign of one carrier"
@@ -239,16 +275,10 @@ class Revision:
             if id(look) not in stays and elapsed_s(look.pass_start, self.frozen_until) < 0.0
         }
         until = utc_text(self.frozen_until)
-        told = [
+        return [
             f"passes of {one} that begin before {until} don't stay: no carrier of this request "
             "flies them"
             for one in sorted(gone)
-        ]
-        return told + [
-            f"{carrier + ': ' if carrier else ''}battery and memory are taken to begin as "
-            f"`resources` says at {utc_text(request.start)}, where the choice begins anew"
-            for carrier, request in anew.items()
-            if request.resources is not None
         ]
 
     def found(self, stays: Sequence[EarlierLook], passes: "Sequence[ChosenPass]") -> RevisionFound:
@@ -310,6 +340,8 @@ def _told(look: EarlierLook) -> RevisedLook:
         stop_utc=look.stop,
         pass_start_utc=look.pass_start,
         pass_stop_utc=look.pass_stop,
+        pass_number=look.pass_number,
+        pass_resources=look.pass_resources,
         value=look.value,
     )
 
@@ -324,5 +356,7 @@ def _told_anew(look: "ChosenLook", flight: "ChosenPass") -> RevisedLook:
         stop_utc=look.stop_utc,
         pass_start_utc=flight.start_utc,
         pass_stop_utc=flight.stop_utc,
+        pass_number=None,
+        pass_resources=None,
         value=look.value,
     )

@@ -7,10 +7,10 @@ one more resource, whose room at t is what no look since `t - span` used.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,12 @@ from planner.planning.campaigns.carrier_looks import CarrierLooks, last_row_s
 from planner.planning.campaigns.charging import CHARGING, Attitudes, Charging, most_w
 from planner.planning.campaigns.chosen import KeptResource
 from planner.planning.campaigns.path import Look
+from planner.planning.campaigns.platforms.follower import Follower
+from planner.planning.campaigns.request import CampaignRequest
+from planner.planning.campaigns.revision import PassResources
 from planner.planning.campaigns.wheels import Turned, Wheels
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
 from planner.world.resources import Battery, Memory, Resources
 
@@ -30,6 +35,9 @@ class Curve(NamedTuple):
 
     t_s: Array
     used_share: Array
+
+
+NOTHING_USED = Curve(np.zeros(0), np.zeros(0))
 
 
 class Room(NamedTuple):
@@ -47,7 +55,8 @@ class Store:
     begin, most: the room at first, and at most.  t_s, came: what comes while the platform rests,
     less what it takes then, since the campaign's start, linear in between, (n,).  looking, moving:
     used in a second of a look, and of any other of a pass.  span: after which what was used is
-    there again; None: never.  charged: what panels bring of that.
+    there again; None: never.  before: used before the campaign's start, at negative times.
+    charged: what panels bring of what comes.
     extra: what they would have brought at their best attitude beyond the idle one; None where no
     attitude counts.
     """
@@ -63,6 +72,7 @@ class Store:
     looking_per_s: float
     moving_per_s: float
     span_s: float | None = None
+    before: Curve = NOTHING_USED
     charged_share: Array | None = None
     extra_share: Array | None = None
 
@@ -85,7 +95,7 @@ class Store:
 
     def room(self, curves: Sequence[Curve]) -> Room:
         """curves: of all passes, in order of time."""
-        given = [one for one in curves if len(one.t_s)]
+        given = [one for one in (self.before, *curves) if len(one.t_s)]
         t_s, came = self.turns
         if given:
             knots_s = np.concatenate([one.t_s for one in given])
@@ -101,6 +111,7 @@ class Store:
             at_s = np.concatenate(further_s)
             t_s, came = np.append(t_s, at_s), np.append(came, self.came_by(at_s))
             order = np.argsort(t_s, kind="stable")
+            order = order[t_s[order] >= 0.0]
             t_s = t_s[order]
             taken = np.interp(t_s, knots_s, used, left=0.0)
             if self.span_s is not None:
@@ -111,22 +122,32 @@ class Store:
         lost = np.maximum.accumulate(np.maximum(whole - self.most_share, 0.0))
         return Room(t_s, whole - lost, whole)
 
+    def eased(self) -> "Store":
+        """With as much more at first as is short without any look, by no more than what panels
+        bring is known to: passes that stay were followed on another clock."""
+        short = -float(self.room(()).left_share.min())
+        is_little = 0.0 < short <= CHARGING.known_share
+        return replace(self, begin_share=self.begin_share + short) if is_little else self
 
-class CarrierStores:
-    """The resources of one carrier: what its looks use of each.
 
-    A pass moves from its start to its stop wherever it does not look: its plan may wait meanwhile,
-    and use less.  A body's slews are smooth turns.
-    """
+class RestStores:
+    """The resources of one carrier, and what comes of each while it rests."""
 
-    def __init__(self, looks: CarrierLooks, first_way: int) -> None:
-        """first_way: of its ways among all carriers'."""
-        self._looks, self._first_way = looks, first_way
-        self._request, self._ways = looks.request, looks.ways
-        self.resources = looks.request.resources
+    def __init__(
+        self,
+        request: CampaignRequest,
+        follower: Follower,
+        ephemeris: Ephemeris,
+        start_state: tuple[float, Array] | None,
+    ) -> None:
+        """start_state: when the campaign begins, and its state, where that is one of its own."""
+        self._request, self._start_state = request, start_state
+        self._follower, self._ephemeris = follower, ephemeris
+        self.resources = request.resources
         self._attitudes: Attitudes | None = None
         self.wheels: Wheels | None = None
-        self.stores = tuple(self._stores_of())
+        stores = tuple(self._stores_of())
+        self.stores = tuple(one.eased() for one in stores) if request.revises else stores
 
     def _stores_of(self) -> Iterator[Store]:
         last_s = self._request.span_s
@@ -143,17 +164,18 @@ class CarrierStores:
                 looking_per_s=1.0 / duty.imaging_max_s,
                 moving_per_s=0.0,
                 span_s=duty.span_s,
+                before=self._imaged_before(duty.imaging_max_s),
             )
         if self.resources is None:
             return
-        around = Charging(self._request, self._looks.viewing.ephemeris)
+        around = Charging(self._request, self._ephemeris)
         battery, memory, momentum = (
             self.resources.battery,
             self.resources.memory,
             self.resources.momentum,
         )
         if momentum is not None or (battery is not None and battery.panels):
-            self._attitudes = Attitudes.of(self._looks.follower, around, self._start)
+            self._attitudes = Attitudes.of(self._follower, around, self._start_state)
         if momentum is not None:
             assert self._attitudes is not None  # a body's, or the request was refused
             self.wheels = Wheels(self._request, momentum, self._attitudes)
@@ -162,13 +184,19 @@ class CarrierStores:
         if memory is not None:
             yield _memory(memory, around)
 
-    @property
-    def _start(self) -> tuple[float, Array] | None:
-        """When the campaign begins, and its state, where that is one of its own."""
-        if self._request.initial_q_body_from_eci_xyzw is None:
-            return None
-        at_s = self._looks.grid_s
-        return at_s, self._looks.follower.start_state(self._looks.carrier, at_s)[:10]
+    def _imaged_before(self, most_s: float) -> Curve:
+        """By passes that stay of the campaign that is revised."""
+        past = self._request.revises.past_looks if self._request.revises else ()
+        start_s, stop_s = (
+            np.array(
+                [[elapsed_s(at, self._request.start) for at in (x.start, x.stop)] for x in past]
+            )
+            .reshape(-1, 2)
+            .T
+        )
+        t_s = np.unique([start_s, stop_s])
+        looked_s = np.clip(t_s[:, None] - start_s, 0.0, stop_s - start_s).sum(axis=1)
+        return Curve(t_s, looked_s / most_s)
 
     def _battery(self, battery: Battery, around: Charging) -> Store:
         contacts = tuple(span for _, span in around.contacts)
@@ -216,6 +244,22 @@ class CarrierStores:
             ),
         )
 
+
+class CarrierStores(RestStores):
+    """The resources of one carrier: what its looks use of each.
+
+    A pass moves from its start to its stop wherever it does not look: its plan may wait meanwhile,
+    and use less.  A body's slews are smooth turns.
+    """
+
+    def __init__(self, looks: CarrierLooks, first_way: int) -> None:
+        """first_way: of its ways among all carriers'."""
+        self._looks, self._first_way, self._ways = looks, first_way, looks.ways
+        request, follower, start_state = looks.request, looks.follower, None
+        if request.initial_q_body_from_eci_xyzw is not None:
+            start_state = looks.grid_s, follower.start_state(looks.carrier, looks.grid_s)[:10]
+        super().__init__(request, follower, looks.viewing.ephemeris, start_state)
+
     def ends_s(self, look: Look) -> tuple[float, float]:
         begin_s = self._looks.grid_s + look.first_step * self._request.step_s
         return begin_s, begin_s + self._length_s(look)
@@ -242,7 +286,7 @@ class CarrierStores:
     def curves(self, looks: tuple[Look, ...]) -> tuple[Curve, ...]:
         """What a pass with these looks uses of each resource."""
         if not looks:
-            return tuple(Curve(np.zeros(0), np.zeros(0)) for _ in self.stores)
+            return tuple(NOTHING_USED for _ in self.stores)
         start_s, stop_s = self.span_s(looks)
         ends_s = np.array([end for look in looks for end in self.ends_s(look)])
         t_s = np.concatenate([[start_s], ends_s, [stop_s]])
@@ -319,35 +363,52 @@ class CarrierStores:
         motion = (turned.inv() * on_target).apply(moving_state[4:10].reshape(2, 3))
         return np.concatenate([turned.as_quat(), motion.ravel()])
 
-    def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources | None]:
-        """What each pass with looks begins with; passes: its own, in order of time."""
+    def held(self, passes: Sequence[tuple[Look, ...]]) -> list[PassResources | None]:
+        """As each pass with looks starts and stops; passes: its own, in order of time."""
         flown = [looks for looks in passes if looks]
-        starts_s = [self.span_s(looks)[0] for looks in flown]
         if self.resources is None:
             return [None] * len(flown)
-        levels = self.levels(passes, np.array(starts_s))
-        momenta = [] if self.wheels is None else self.wheels.begins(map(self.turned, flown))
-        own = self.resources
-        return [
-            replace(
-                own,
-                battery=own.battery
-                and replace(own.battery, start_wh=float(levels["battery"][number])),
-                memory=own.memory
-                and replace(own.memory, start_gbit=float(levels["memory"][number])),
-                momentum=own.momentum and replace(own.momentum, start_n_m_s=momenta[number]),
-            )
-            for number in range(len(flown))
-        ]
+        ends_s = np.array([self.span_s(looks) for looks in flown]).reshape(-1, 2)
+        told = self.levels(passes, ends_s)
+        if self.wheels is not None:
+            told["momentum"] = self.wheels.at_ends([self.turned(looks) for looks in flown])
+        return [held_of(told, number) for number in range(len(flown))]
 
     def levels(self, passes: Sequence[tuple[Look, ...]], t_s: Array) -> dict[KeptResource, Array]:
-        """What each resource holds at instants, (n,), in its unit, as simulated."""
+        """What each resource holds at instants, of any shape, in its unit, as simulated."""
         curves = [self.curves(looks) for looks in passes]
         rooms = [store.room([one[n] for one in curves]) for n, store in enumerate(self.stores)]
         return {
             store.name: store.level(np.interp(t_s, room.t_s, room.left_share))
             for store, room in zip(self.stores, rooms, strict=True)
         }
+
+
+def held_of(told: Mapping[KeptResource, Array], number: int) -> PassResources:
+    """Of one of n passes: levels by resource, (n, 2), of a momentum (n, 2, 3)."""
+    ends: dict[str, list[Any]] = {one: level[number].tolist() for one, level in told.items()}
+    momentum = ends.get("momentum", ())
+    return PassResources(
+        battery_wh=tuple(ends["battery"]) if "battery" in ends else None,
+        memory_gbit=tuple(ends["memory"]) if "memory" in ends else None,
+        momentum_n_m_s=(tuple(momentum[0]), tuple(momentum[1])) if momentum else None,
+    )
+
+
+def begun_with(own: Resources, held: PassResources, end: int = 0) -> Resources:
+    """A carrier's resources at a pass's start, or at its stop."""
+    return replace(
+        own,
+        battery=own.battery
+        and held.battery_wh
+        and replace(own.battery, start_wh=held.battery_wh[end]),
+        memory=own.memory
+        and held.memory_gbit
+        and replace(own.memory, start_gbit=held.memory_gbit[end]),
+        momentum=own.momentum
+        and held.momentum_n_m_s
+        and replace(own.momentum, start_n_m_s=held.momentum_n_m_s[end]),
+    )
 
 
 def _memory(memory: Memory, around: Charging) -> Store:

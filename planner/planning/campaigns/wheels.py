@@ -1,6 +1,6 @@
 """Momentum of a body's wheels over a campaign, simulated from its first instant to its last."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -85,14 +85,35 @@ class Wheels:
             q_still_from_body.apply(torque_n_m),
         )
 
-    def begins(self, passes: Iterable[Turned]) -> list[tuple[float, float, float]]:
-        """What the wheels hold as each pass begins."""
-        flown = list(passes)
+    def at_ends(self, flown: Sequence[Turned]) -> Array:
+        """What the wheels hold as each pass starts and as it stops, (n, 2, 3)."""
         t_s, held = self.held(flown)
-        rows = np.searchsorted(t_s, [one.t_s[0] for one in flown])
+        rows = np.searchsorted(t_s, [[one.t_s[0], one.t_s[-1]] for one in flown])
         most = np.array(self._momentum.capacity_n_m_s)
-        begun = np.clip(held[rows], -most, most)
-        return [(float(x), float(y), float(z)) for x, y, z in begun]
+        return np.asarray(np.clip(held[rows], -most, most))
+
+    def at_last(self, flown: Sequence[Turned]) -> Array:
+        """What they hold at first and at last, (1, 2, 3)."""
+        most = np.array(self._momentum.capacity_n_m_s)
+        return np.asarray(np.clip(self.held(flown)[1][None, [0, -1]], -most, most))
+
+    def stayed(self, start_s: float, stop_s: float, held: Sequence[Sequence[float]]) -> Turned:
+        """A pass that is known by what the wheels held at its ends, which all torques in it made of
+        each other."""
+        t_s = np.array([start_s, stop_s])
+        states = self._attitudes.rests(t_s)
+        states[0] = self._attitudes.begin(start_s)
+        ends = self._at(t_s, Rotation.from_quat(states[:, :4]), states[:, 4:7])
+        total = np.einsum(
+            "nji,nj->ni", ends.c_body_from_still, np.array(held) + ends.turning_body_n_m_s
+        )
+        rows = np.array([0, 0, 1, 1])
+        torque_n_m = ends.torque_still_n_m[rows]
+        torque_n_m[1:3] = (total[1] - total[0]) / (stop_s - start_s)
+        t_s = np.maximum(t_s, 0.0)  # of a pass that began before, the rest
+        return Turned(
+            t_s[rows], ends.c_body_from_still[rows], ends.turning_body_n_m_s[rows], torque_n_m
+        )
 
     def beyond(self, passes: Sequence[Turned]) -> Beyond | None:
         """The first that passes its limit, in passes what is spared of it; passes in order of
