@@ -11,11 +11,10 @@ from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.frames.earth_orientation import itrf_from_eci_state
 from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
 from planner.world.frames.time_scales import Instants
@@ -111,7 +110,7 @@ def settle_table(
             start=Motion(Rotation.identity().as_quat()[None], *rest),
             goal=Motion(goal.as_quat()[None], *rest),
             first_arrival_row=rows,
-            limits=agility_limits(body_of(spacecraft)),
+            limits=agility_limits(spacecraft.platform()),
         )
     )
     before, after = np.zeros((50, 3)), np.zeros((250 - rows, 3))
@@ -122,7 +121,7 @@ def settle_table(
             np.tile(goal.as_quat(), (250 - rows, 1)),
         ]
     )
-    gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
+    gimbal = np.tile(spacecraft.craft.array.gimbal_angles(still), (301, 1))
     return CommandTable(
         epoch_utc=EPOCH,
         channels=(*BODY_CHANNELS, *GIMBAL_CHANNELS),

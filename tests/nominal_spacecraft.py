@@ -5,6 +5,6 @@ import dataclasses
 from planner.inflight.simulation.gyros.dispersed import as_designed
 
 
-def nominal(spacecraft):
+def nominal(craft):
     """The spacecraft as designed, without noise."""
-    return dataclasses.replace(as_designed(spacecraft.craft, 0), noise=False)
+    return dataclasses.replace(as_designed(craft, 0), noise=False)

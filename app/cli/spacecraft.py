@@ -32,7 +32,7 @@ def spacecraft(
                 say_whether_it_flies(console, planner.spacecraft.check(body))
                 return
             made = planner.spacecraft.plan(body, progress=tell)
-            print_session(console, made.members, asked.definition().slew.momentum_sphere_n_m_s)
+            print_session(console, made.members, asked.definition().gyros.turns.momentum_max_n_m_s)
             if url is not None:
                 console.print(f"kept as {made.id}")
             files.write_json(json, made.members)

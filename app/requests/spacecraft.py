@@ -6,7 +6,7 @@ from typing import Any
 from app.requests.json_reader import JsonReader
 from planner.spacecraft.features import requests_from_features
 from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.vehicle.definition import SPACECRAFT
+from planner.spacecraft.vehicle import SPACECRAFT
 
 
 def _with_plain_requests(document: object) -> object:

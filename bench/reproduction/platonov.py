@@ -50,7 +50,6 @@ from planner.inflight.simulation.gyros.onboard import (
 from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
 from planner.motion.attitude.eigenaxis import quickest_angle
 from planner.motion.attitude.track import agility_limits, attitude_motion
-from planner.spacecraft.body import body_of
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
@@ -65,15 +64,11 @@ from planner.spacecraft.requests import (
     StripRequest,
 )
 from planner.spacecraft.table import TICK_S, ImagingWindow, camera_on
-from planner.spacecraft.vehicle.definition import (
-    AGILE_CMG,
-    AgileSpacecraft,
-    SlewLimits,
-)
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import StateVectorOrbit
 from planner.world.platforms.cmg_array import CmgArray
-from planner.world.platforms.gyro_craft import ControlGains
+from planner.world.platforms.gyro_craft import ControlGains, GyroCraft
 from planner.world.platforms.steering import steer
 from reproduction.report import Numbers
 
@@ -240,15 +235,20 @@ class Settling(NamedTuple):
     interval: tuple[str, ...]  # of each goal
 
 
-def spacecraft_of(name: str) -> AgileSpacecraft:
-    """The product's, with the torque of 30 N m that the paper counts on and gains for its laws."""
-    limits = SlewLimits(torque_n_m=30.0, rate_axis_rad_s=OWN_TURN_RATE_RAD_S)
-    return dataclasses.replace(planned(name).spacecraft, gains=GAINS, slew=limits)
+CRAFT = AgileSpacecraft().craft
+PITCH_KG_M2 = float(CRAFT.inertia_kg_m2[2, 2])
+# With the torque of 30 N m that the paper counts on and gains for its laws.
+OWN_CRAFT = dataclasses.replace(
+    CRAFT,
+    gains=GAINS,
+    turn_acceleration_rad_s2=GAINS.acceleration_share * 30.0 / PITCH_KG_M2,
+    turn_rate_rad_s=OWN_TURN_RATE_RAD_S,
+)
 
 
-def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
+def nominal(craft: GyroCraft) -> Dispersion:
     """The spacecraft as designed, sensors and gimbals without errors."""
-    return dataclasses.replace(as_designed(spacecraft.craft, 0), noise=False)
+    return dataclasses.replace(as_designed(craft, 0), noise=False)
 
 
 def attitudes(session: ImagingSession, arc: GroundArc | None, t_s: Array) -> Rotation:
@@ -287,20 +287,17 @@ def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
 def fly(name: str, dispersion: Dispersion) -> Log:
     """One run of the paper's laws over all goals of a session."""
     table, given = goal_table(name)
-    spacecraft = spacecraft_of(name)
     states = orbit_states(planned(name))
     imaging = camera_on(planned(name).windows, len(table.position))
-    return fly_table(
-        spacecraft.craft, table, imaging, states, dispersion, law=PAPER, commanded=given
-    )
+    return fly_table(OWN_CRAFT, table, imaging, states, dispersion, law=PAPER, commanded=given)
 
 
 @lru_cache(maxsize=4)
 def settling(name: str, dispersed: bool) -> Settling:
     """How the paper's laws meet the paper's intervals, in one nominal or in OWN_SEEDS runs."""
-    spacecraft, windows = spacecraft_of(name), planned(name).windows
-    runs = [draw_dispersion(spacecraft, seed) for seed in OWN_SEEDS] if dispersed else [
-        nominal(spacecraft)
+    windows = planned(name).windows
+    runs = [draw_dispersion(OWN_CRAFT, seed) for seed in OWN_SEEDS] if dispersed else [
+        nominal(OWN_CRAFT)
     ]  # fmt: skip
     goals = [(round(t * 5.0), k) for t, k in COMMANDS[name] if k is not None]
     needed, worst, late = [], [], []
@@ -329,13 +326,13 @@ def switching_rate_deg_s(torque_n_m: float, share: float = 0.75) -> float:
 
     sqrt(2 a1 phi) = phi k2/k1 at phi = 2 a1 (k1/k2)^2; the rate is 2 a1 k1/k2.
     """
-    a1 = share * torque_n_m / AGILE_CMG.inertia_kg_m2[2]
+    a1 = share * torque_n_m / PITCH_KG_M2
     return float(np.rad2deg(2.0 * a1 * K1_PER_S / K2_PER_S2))
 
 
 # The paper's four gyros by the product's array: envelope, torque, spin-up.
 
-ARRAY = AGILE_CMG.array
+ARRAY = CRAFT.array
 SETTLE_SEEDS = range(6)
 
 
@@ -399,8 +396,7 @@ def needed(gimbal_rad: Array, tick_s: float) -> Needed:
 
 def spin_up_s(rate_deg_s: float, torque_n_m: float) -> float:
     """Until a turn in pitch has its full rate, its torque rising by 40 N m/s."""
-    inertia_kg_m2 = AGILE_CMG.inertia_kg_m2[2]
-    limits = (math.radians(rate_deg_s), torque_n_m / inertia_kg_m2, 40.0 / inertia_kg_m2)
+    limits = (math.radians(rate_deg_s), torque_n_m / PITCH_KG_M2, 40.0 / PITCH_KG_M2)
     turn = quickest_angle(math.radians(60.0), *limits)
     t_s = np.linspace(0.0, turn.x[-1], 4001)
     speed = turn(t_s, 1)
@@ -409,7 +405,7 @@ def spin_up_s(rate_deg_s: float, torque_n_m: float) -> float:
 
 def quickest_s(angle_deg: float) -> float:
     """Least time of a turn in pitch from rest to rest within the product's limits."""
-    limits = agility_limits(body_of(AGILE_CMG)).about(np.array([0.0, 0.0, 1.0]))
+    limits = agility_limits(AgileSpacecraft().platform()).about(np.array([0.0, 0.0, 1.0]))
     return float(quickest_angle(math.radians(angle_deg), *limits).x[-1])
 
 
@@ -423,8 +419,10 @@ class Turned(NamedTuple):
 @lru_cache(maxsize=4)
 def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned:
     """A smooth turn in so many seconds up to a rate, followed by the product's law."""
-    limits = SlewLimits(rate_axis_rad_s=math.radians(rate_deg_s), torque_n_m=15.0)
-    spacecraft = dataclasses.replace(AGILE_CMG, slew=limits)
+    own = AgileSpacecraft()
+    turns = dataclasses.replace(own.gyros.turns, rate_max_deg_s=own.rate_deg_s(rate_deg_s))
+    gyros = dataclasses.replace(own.gyros, turns=turns)
+    spacecraft = dataclasses.replace(own, body=dataclasses.replace(own.body, gyros=gyros))
     table, duration_s = settle_table(spacecraft, angle_deg, seconds)
     ephemeris = sun_synchronous(600.0).ephemeris(EPOCH, EPOCH + timedelta(seconds=60))
     states = ephemeris.states(Instants(EPOCH, table.t_s))
@@ -444,7 +442,7 @@ def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned
 
 def gyro_reach_deg_s() -> float:
     """Rate about one body axis up to which the four channels still give the rate."""
-    onboard = computer(AGILE_CMG.craft, TABLE, noise=False)
+    onboard = computer(CRAFT, TABLE, noise=False)
     memory = memory_at(onboard, np.zeros(3), np.zeros((4, 3)))
     estimate = OnboardEstimate(np.array([0.0, 0.0, 0.0, 1.0]), np.empty(3), np.zeros(4))
 
@@ -614,7 +612,7 @@ CLOCK = "time on the paper's clock, s"
 @lru_cache(maxsize=1)
 def _log_by_own_laws() -> tuple[Array, Array]:
     """Time on the paper's clock and rate errors, deg/s, of an undispersed run of the session."""
-    log = fly("eight_areas", nominal(spacecraft_of("eight_areas")))
+    log = fly("eight_areas", nominal(OWN_CRAFT))
     errors = np.rad2deg(log.rate_error_rad_s.reshape(-1, 3))
     return np.arange(len(errors)) * 0.005 + LONG_START_S, errors
 
@@ -712,7 +710,7 @@ def spacecraft_numbers() -> Numbers:
 
 
 def _gyros() -> Numbers:
-    array, inertia = AGILE_CMG.array, np.array(AGILE_CMG.inertia_kg_m2)
+    array, inertia = CRAFT.array, np.diag(CRAFT.inertia_kg_m2)
     short, long = (needed(planned(name).table.extra_rad[:, :4], TICK_S) for name in NAMES)
     most = max(short.gyro_n_m_s, long.gyro_n_m_s)
     held = max(short.held_n_m_s, long.held_n_m_s)

@@ -32,7 +32,7 @@ from planner.spacecraft.imaging.choose import bound_of
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import ImagingWindow
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
 
@@ -202,7 +202,7 @@ def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
 
 def _refuse_momentum(request: ImagingPlanRequest) -> None:
     stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
-    sphere_n_m_s = request.definition().slew.momentum_sphere_n_m_s
+    sphere_n_m_s = request.definition().gyros.turns.momentum_max_n_m_s
     if stored_n_m_s > sphere_n_m_s:
         raise InvalidInput(
             f"the gyros store {stored_n_m_s:.1f} N m s at the start, beyond the "

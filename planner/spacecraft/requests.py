@@ -10,8 +10,9 @@ from pydantic import Field
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import figures
 from planner.base.spec import UnitPart, Within, spec
-from planner.spacecraft.vehicle.definition import (
+from planner.spacecraft.vehicle import (
     OFF_NADIR_DEG,
+    OPTIONS,
     SETTLE_S,
     SPACECRAFT,
     SWATH_M,
@@ -187,34 +188,48 @@ class SpacecraftSettings:
 
     def applied_to(self, spacecraft: AgileSpacecraft) -> AgileSpacecraft:
         """The spacecraft with these settings.  Raises ValueError where it can't keep one."""
-        torque_n_m = spacecraft.array.torque_n_m
-        for name, most in (
-            ("rate_axis_max_deg_s", math.degrees(spacecraft.slew.rate_rad_s)),
-            ("torque_max_n_m", torque_n_m),
-            ("torque_rate_max_n_m_s", torque_n_m / COMMAND_STEP_S),
+        torque_n_m = spacecraft.gyros.array.cmg_array.torque_n_m
+        for name, least, most in (
+            ("rate_axis_max_deg_s", OPTIONS.rate_least_deg_s, spacecraft.rate_max_deg_s),
+            ("torque_max_n_m", 0.0, torque_n_m),
+            ("torque_rate_max_n_m_s", 0.0, torque_n_m / COMMAND_STEP_S),
         ):
             value = getattr(self, name)
-            if value is not None and value > most * (1.0 + 1e-9):  # radians and back
+            if value is not None and value > most * (1.0 + 1e-9):  # rounding
                 raise ValueError(
                     f"settings.{name} ({figures(value, most)}) is more than the {most:.4g} that "
                     f"{spacecraft.name!r} can do; ask for less, or leave it out"
                 )
+            if value is not None and value < least:
+                raise ValueError(
+                    f"settings.{name} ({figures(value, least)}) is less than the {least:.4g} that "
+                    "orbital orientation needs; ask for more, or leave it out"
+                )
         rate_deg_s = self.rate_axis_max_deg_s
-        slew = _with_given(
-            spacecraft.slew,
-            rate_axis_rad_s=None if rate_deg_s is None else math.radians(rate_deg_s),
-            torque_n_m=self.torque_max_n_m,
-            torque_rate_n_m_s=self.torque_rate_max_n_m_s,
+        turns = _with_given(
+            spacecraft.gyros.turns,
+            rate_max_deg_s=None if rate_deg_s is None else spacecraft.rate_deg_s(rate_deg_s),
+            torque_max_n_m=self.torque_max_n_m,
+            torque_rate_max_n_m_s=self.torque_rate_max_n_m_s,
             settle_s=self.settle_s,
         )
-        camera = _with_given(
-            spacecraft.camera,
+        line = _with_given(spacecraft.body.camera, both_ways=self.reversible_scan)
+        try:
+            gyros = replace(spacecraft.gyros, turns=turns)
+            body = replace(spacecraft.body, camera=line, gyros=gyros)
+        except ValueError:
+            raise ValueError(
+                f"settings.torque_max_n_m ({turns.torque_max_n_m:g}) and torque_rate_max_n_m_s "
+                f"({turns.torque_rate_max_n_m_s:g}) leave no torque for a turn while the momentum "
+                f"of the gyros is turned at {turns.rate_max_deg_s:g} deg/s: ask for more, or for a "
+                "lower rate_axis_max_deg_s"
+            ) from None
+        return _with_given(
+            replace(spacecraft, body=body),
             swath_m=self.swath_m,
-            reversible=self.reversible_scan,
             across_max_deg=self.across_max_deg,
             along_max_deg=self.along_max_deg,
         )
-        return replace(spacecraft, slew=slew, camera=camera)
 
 
 def _with_given(own: _Part, **asked: float | None) -> _Part:

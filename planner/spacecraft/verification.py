@@ -23,7 +23,7 @@ from planner.spacecraft.requests import (
     StereoRequest,
 )
 from planner.spacecraft.table import TICK_S, ImagingWindow
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.verification.report import VerificationReport
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
@@ -80,7 +80,7 @@ class VerifiedWindow(ImagingWindow):
     miss_m: NotNegative
     along_deg: Signed
     across_deg: Signed
-    line_time_s: Internal[float]  # one pixel at nadir resolution over the speed
+    passing_s: Internal[float]  # in which as much ground is scanned as the camera is away
 
 
 @answer
@@ -246,9 +246,7 @@ def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow
         miss_m=_miss_m(request, window, view.r_ground_itrf_m),
         along_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(x, z))))),
         across_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(y, z))))),
-        line_time_s=float(
-            session.spacecraft.camera.pixel_rad * np.mean(range_m) / np.mean(speed_m_s)
-        ),
+        passing_s=float(np.mean(range_m) / np.mean(speed_m_s)),
     )
 
 
@@ -285,7 +283,7 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
 
 
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
-    camera = session.spacecraft.camera
+    camera = session.spacecraft
     look = f"{found.request!r} look {found.look}"
     if found.speed_spread > TOLERANCES.speed:
         yield f"{look}: scan speed off by {100 * found.speed_spread:.3f} %"
@@ -307,7 +305,7 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
             continue
         if isinstance(request, AreaRequest):
             short_m = _uncovered_m(session, looks, request)
-            if short_m > TOLERANCES.coverage * session.spacecraft.camera.swath_m:
+            if short_m > TOLERANCES.coverage * session.spacecraft.swath_m:
                 yield f"{request.name!r}: a corner lies {short_m:.1f} m outside the strips"
         else:
             count = 2 if request.mode == "stereo" else len(request.geometry.coordinates) - 1
@@ -323,7 +321,7 @@ def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: Are
     """How far outside the scanned strips the worst corner of an area lies."""
     longitude_rad, latitude_rad = np.deg2rad([p[:2] for p in request.geometry.coordinates[0]]).T
     corners_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
-    half_m = 0.5 * session.spacecraft.camera.swath_m
+    half_m = 0.5 * session.spacecraft.swath_m
     outside_m = np.full(len(corners_itrf_m), np.inf)
     for look in looks:
         t_s = np.array([look.first_row, look.last_row]) / ROWS_PER_S

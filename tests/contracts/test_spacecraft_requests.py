@@ -46,6 +46,8 @@ def test_features_and_request_say_the_same():
         (("settings",), {"rate_axis_max_deg_s": 99.0}, r"rate_axis_max_deg_s \(99\) .* the 3.5 "),
         (("settings",), {"torque_max_n_m": 31.0}, r"settings.torque_max_n_m \(31\) .* the 30 "),
         (("settings",), {"torque_rate_max_n_m_s": 151.0}, "settings.torque_rate_max_n_m_s"),
+        (("settings",), {"rate_axis_max_deg_s": 0.05}, r"\(0.05\) is less than the 0.1 "),
+        (("settings",), {"torque_max_n_m": 0.5}, r"torque_max_n_m \(0.5\) .* leave no torque"),
     ],
 )
 def test_bad_values_are_refused_by_name(path, value, message):

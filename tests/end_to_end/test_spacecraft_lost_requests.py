@@ -19,13 +19,7 @@ from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.imaging.timeline import DoesNotFit, build_timeline
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import CorridorRequest, SpacecraftSettings, StripRequest
-from planner.spacecraft.vehicle.definition import (
-    AGILE_CMG,
-    SPACECRAFT,
-    AgileSpacecraft,
-    PushbroomCamera,
-    SlewLimits,
-)
+from planner.spacecraft.vehicle import SPACECRAFT, AgileSpacecraft
 
 STRIP, STEREO, *_ = four_modes()
 
@@ -101,8 +95,9 @@ def test_nearly_full_gyros_are_decided(momentum_n_m_s, imaged):
 
 def test_a_spacecrafts_own_limits_are_flown(monkeypatch):
     """1.75 deg/s were, where the definition said 0.5, and the verification passed."""
-    slew = SlewLimits(rate_rad_s=math.radians(0.5), momentum_sphere_n_m_s=20.0, torque_n_m=5.0)
-    slow = AgileSpacecraft(name="slow", slew=slew)
+    slow = with_turns(
+        rate_max_deg_s=0.5 / math.sqrt(3.0), momentum_max_n_m_s=20.0, torque_max_n_m=5.0
+    )
     monkeypatch.setitem(SPACECRAFT, slow.name, slow)
     plan = plan_imaging(session([STRIP], 300.0, spacecraft="slow", simulation_runs=0))
     rate_deg_s = np.rad2deg(np.linalg.norm(plan.table.rate_rad_s, axis=1))
@@ -112,12 +107,21 @@ def test_a_spacecrafts_own_limits_are_flown(monkeypatch):
 
 
 def test_settings_change_what_they_name_only():
-    own = dataclasses.replace(
-        AGILE_CMG,
-        slew=SlewLimits(rate_axis_rad_s=0.01, torque_n_m=9.0, torque_rate_n_m_s=8.0, settle_s=7.0),
-        camera=PushbroomCamera(swath_m=5e3, reversible=True, across_max_deg=20.0),
+    own = with_turns(
+        rate_max_deg_s=0.6, torque_max_n_m=9.0, torque_rate_max_n_m_s=8.0, settle_s=7.0
     )
+    own = dataclasses.replace(own, swath_m=5e3, across_max_deg=20.0)
     assert SpacecraftSettings().applied_to(own) == own
-    changed = SpacecraftSettings(settle_s=1.0, reversible_scan=False).applied_to(own)
-    assert changed.slew == dataclasses.replace(own.slew, settle_s=1.0)
-    assert changed.camera == dataclasses.replace(own.camera, reversible=False)
+    changed = SpacecraftSettings(settle_s=1.0, reversible_scan=True).applied_to(own)
+    turns = dataclasses.replace(own.gyros.turns, settle_s=1.0)
+    assert changed.gyros == dataclasses.replace(own.gyros, turns=turns)
+    assert changed.body.camera == dataclasses.replace(own.body.camera, both_ways=True)
+    assert dataclasses.replace(changed, body=own.body) == own
+
+
+def with_turns(**limits):
+    """A spacecraft of the name slow, whose turns have other limits."""
+    own = AgileSpacecraft()
+    turns = dataclasses.replace(own.gyros.turns, **limits)
+    gyros = dataclasses.replace(own.gyros, turns=turns)
+    return dataclasses.replace(own, body=dataclasses.replace(own.body, name="slow", gyros=gyros))

@@ -1,5 +1,6 @@
 """The body answers its gimbals as Basilisk's does (make_spacecraft_basilisk.py)."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.inflight.simulation.gyros.dispersed import plant
 from planner.inflight.simulation.gyros.dynamics import _derivative, array_momentum, body_rate
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.platforms.cmg_array import CmgArray
 
 GOLDEN = json.loads(
@@ -28,12 +29,13 @@ def ours():
 
 def flown_by_us():
     """Our body rate and attitude under Basilisk's gimbal log; gimbal inertia modelled."""
-    spacecraft = AgileSpacecraft(
-        inertia_kg_m2=tuple(GOLDEN["inertia_kg_m2"]),
+    craft = dataclasses.replace(
+        AgileSpacecraft().craft,
+        inertia_kg_m2=np.diag(GOLDEN["inertia_kg_m2"]),
         modes=(),
         array=CmgArray(gimbal_inertia_kg_m2=GOLDEN["gimbal_axis_inertia_kg_m2"]),
     )
-    body = plant(spacecraft.craft, nominal(spacecraft), float("inf"), 0.01)
+    body = plant(craft, nominal(craft), float("inf"), 0.01)
     t_s = np.arange(len(ROWS)) * STEP_S
     gimbals = CubicHermiteSpline(t_s, ROWS[:, :4], ROWS[:, 4:8])
 

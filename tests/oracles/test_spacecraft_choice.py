@@ -8,14 +8,13 @@ import pytest
 from ruckig import InputParameter, Ruckig, Trajectory
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.choose import bound_of, choose
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.slews import Slews
-from planner.spacecraft.vehicle.definition import AGILE_CMG
+from planner.spacecraft.vehicle import AgileSpacecraft
 
-BODY = body_of(AGILE_CMG)
+BODY = AgileSpacecraft().platform()
 SLEWS = Slews(platform=BODY)
 
 
@@ -129,7 +128,7 @@ def test_turn_times_that_suffice_are_a_little_above_the_least_ones(angle_deg, ra
 
 def test_full_gyros_turn_slowly():
     """45 of 60 N m s leave 11 for the lengths of J w about all three axes, 4 put aside."""
-    full = body_of(AGILE_CMG, (0.0, 0.0, 45.0))
+    full = AgileSpacecraft().platform((0.0, 0.0, 45.0))
     rate_rad_s = 11.0 / math.hypot(800.0, 500.0, 800.0)
     np.testing.assert_allclose(full.envelope.by_order_rad[0], rate_rad_s)
     start, end = state([0.0, 0.0, 0.0]), state([0.0, 0.0, 0.8])

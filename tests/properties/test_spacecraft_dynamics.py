@@ -20,17 +20,18 @@ from planner.inflight.simulation.gyros.dynamics import (
     body_rate,
     servo_step,
 )
-from planner.spacecraft.vehicle.definition import AGILE_CMG
+from planner.spacecraft.vehicle import AgileSpacecraft
 
-M = len(AGILE_CMG.modes)
+CRAFT = AgileSpacecraft().craft
+M = len(CRAFT.modes)
 
 
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def flown(step_s, seconds, command):
-    real = plant(AGILE_CMG.craft, nominal(AGILE_CMG), float("inf"), step_s)
-    gimbal_rad = AGILE_CMG.array.gimbal_angles(np.array([2.0, -1.0, 3.0]))
+    real = plant(CRAFT, nominal(CRAFT), float("inf"), step_s)
+    gimbal_rad = CRAFT.array.gimbal_angles(np.array([2.0, -1.0, 3.0]))
     body = body_at(real, UPRIGHT, np.array([0.004, -0.002, 0.01]), gimbal_rad)
     for k in range(round(seconds / step_s)):
         advance(real, body, command, np.zeros(3), k * step_s)
@@ -69,7 +70,7 @@ def test_body_follows_eulers_equations():
     """J w' = -d^T eta'' - H' - w x (J w + d^T eta' + H), written with accelerations, by DOP853."""
     real, body = flown(0.002, 3.0, COMMAND)
     inertia, d = real.inertia_kg_m2, real.couplings_sqrt_kg_m
-    array = AGILE_CMG.array
+    array = CRAFT.array
     gimbal0 = array.gimbal_angles(np.array([2.0, -1.0, 3.0]))
     w2, xi = array.servo_rad_s**2, array.servo_damping
 
@@ -104,11 +105,11 @@ def test_servo_is_the_papers_transfer_function():
 
 
 def test_gravity_gradient_turns_like_its_formula():
-    real = plant(AGILE_CMG.craft, nominal(AGILE_CMG), 7.0e6, 0.01)
+    real = plant(CRAFT, nominal(CRAFT), 7.0e6, 0.01)
     assert real.gravity_per_s2 == pytest.approx(3 * 3.986004418e14 / 7.0e6**3)
-    rigid = dataclasses.replace(AGILE_CMG, modes=())
-    real = plant(rigid.craft, nominal(rigid), 7.0e6, 0.01)
-    body = body_at(real, UPRIGHT, np.zeros(3), AGILE_CMG.array.gimbal_angles(np.zeros(3)))
+    rigid = dataclasses.replace(CRAFT, modes=())
+    real = plant(rigid, nominal(rigid), 7.0e6, 0.01)
+    body = body_at(real, UPRIGHT, np.zeros(3), CRAFT.array.gimbal_angles(np.zeros(3)))
     nadir = np.array([0.6, 0.64, 0.48])
     advance(real, body, np.zeros(4), nadir, 0.0)
     expected = real.gravity_per_s2 * np.cross(nadir, real.inertia_kg_m2 @ nadir) * 0.01

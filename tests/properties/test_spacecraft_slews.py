@@ -12,9 +12,8 @@ from planner.base.mrp import MrpMotion, body_motion, mrp_state
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.baselines import compare
-from planner.spacecraft.vehicle.definition import AGILE_CMG
+from planner.spacecraft.vehicle import AgileSpacecraft
 
 
 def test_rates_of_a_rodrigues_curve_are_scipys():
@@ -51,7 +50,7 @@ def at_rest(angle_deg):
 def test_a_slew_stands_beside_its_baselines():
     """About a principal axis from rest the paper's turn takes angle/rate + rate/acceleration, and
     a smooth one of 18 s shakes less than the one about the Euler axis of that time."""
-    body, asked = body_of(AGILE_CMG), at_rest(20.0)
+    body, asked = AgileSpacecraft().platform(), at_rest(20.0)
     problem = BodySlewProblem(
         start=at_rest(0.0), goal=asked, first_arrival_row=90, limits=agility_limits(body)
     )

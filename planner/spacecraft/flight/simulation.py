@@ -9,7 +9,7 @@ from planner.base.commands import CommandTable
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import draw_dispersion, fly_table
 from planner.spacecraft.table import ImagingWindow, camera_on
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.orbits.ephemeris import OrbitStates
 
 Kept = TypeVar("Kept")

@@ -10,7 +10,7 @@ from planner.inflight.simulation.gyros.report import worst_of
 from planner.inflight.simulation.gyros.steadiness import rate_errors, steadiness_figures
 from planner.spacecraft.flight.report import ImagingSteadiness, StabilisationReport
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification
 
 ACROSS_AXES = [0, 2]  # of the body, across the optical axis
@@ -44,17 +44,18 @@ def run_figures(
 
     omega_body_rad_s: as commanded at each row, (n, 3).
     """
+    craft, camera = spacecraft.craft, spacecraft.body.camera
+    assert camera.type == "pushbroom"  # as of the file
     verified = verification.windows
     before_rows = [0, *(one.last_row for one in verified)]
     rows = []
     for one, before_row in zip(verified, before_rows, strict=False):
         interval = one.first_row, one.last_row
         across_rad_s = np.linalg.norm(rate_errors(log, *interval)[:, ACROSS_AXES], axis=1).max()
-        exposure_s = one.line_time_s * spacecraft.camera.tdi_lines
         figures = steadiness_figures(
-            log, spacecraft.array, omega_body_rad_s, *interval, since_row=before_row
+            log, craft.array, omega_body_rad_s, *interval, since_row=before_row
         )
-        rows.append(np.append(figures, across_rad_s * exposure_s / spacecraft.camera.pixel_rad))
+        rows.append(np.append(figures, across_rad_s * one.passing_s * camera.tdi_lines))
     return np.array(rows)
 
 
@@ -79,7 +80,7 @@ def stabilisation(
                 settled_s=(one.first_row - before_rows[k]) * TICK_S - gyros.spare_s,
                 smear_px=float(numbers[:, k, -1].max()),
                 momentum_margin_n_m_s=(
-                    spacecraft.slew.momentum_sphere_n_m_s - gyros.momentum_max_n_m_s
+                    spacecraft.gyros.turns.momentum_max_n_m_s - gyros.momentum_max_n_m_s
                 ),
             )
         )

@@ -61,7 +61,7 @@ def refusal_with_alternative(
     """The refusal with the nearest alternative that works; as it is when none of those tried
     does."""
     stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
-    much_n_m_s = OPTIONS.much_share * request.definition().slew.momentum_sphere_n_m_s
+    much_n_m_s = OPTIONS.much_share * request.definition().gyros.turns.momentum_max_n_m_s
     if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and stored_n_m_s > much_n_m_s):
         alternatives = _less_momentum(request)
     elif isinstance(why, InvalidInput):
@@ -93,7 +93,7 @@ def _number_at_fault(why: Refusal) -> int:
 def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
     momentum_n_m_s = np.array(request.settings.momentum_n_m_s)
     stored_n_m_s = float(np.linalg.norm(momentum_n_m_s))
-    sphere_n_m_s = request.definition().slew.momentum_sphere_n_m_s
+    sphere_n_m_s = request.definition().gyros.turns.momentum_max_n_m_s
     for share in OPTIONS.momentum_shares:
         left_n_m_s = share * sphere_n_m_s
         if left_n_m_s >= stored_n_m_s:

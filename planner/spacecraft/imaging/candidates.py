@@ -231,7 +231,7 @@ def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: Imagi
 def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
     """Shares of the limits of rate and acceleration, (2, n), most used from when each scan is
     settled onto until it is left; by differences over a tick."""
-    limits, settle_s = agility_limits(session.platform), session.spacecraft.slew.settle_s
+    limits, settle_s = agility_limits(session.platform), session.slews.settle_s
     span_s = settle_s + scan_s + TICK_S
     count = math.ceil(span_s / OPTIONS.load_step_s) + 1
     effort.charge(OPTIONS.load * count * len(begins_s))
@@ -256,7 +256,7 @@ def _in_reach(
     arc: GroundArc, t_s: Array, scan_s: float, session: ImagingSession
 ) -> tuple[NDArray[np.bool_], Array]:
     """Whether the camera can look at all of the arc, and the largest angle along the track."""
-    camera = session.spacecraft.camera
+    camera = session.spacecraft
     in_reach, tilt_rad = np.ones(len(t_s), dtype=bool), np.zeros(len(t_s))
     for share in (0.0, 0.5, 1.0):
         point_itrf_m = _point_itrf_m(arc, share)
@@ -312,7 +312,7 @@ def _overload_text(
 
 def _unreachable_text(request: Request, number: int, session: ImagingSession) -> Unreachable:
     """Say when it would come closest, and at what angles."""
-    camera = session.spacecraft.camera
+    camera = session.spacecraft
     middle_itrf_m = middle_of(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
     along_rad, across_rad = session.passing.look_angles(middle_itrf_m, grid_s)

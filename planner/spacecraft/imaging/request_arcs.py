@@ -33,7 +33,7 @@ def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundAr
     if isinstance(request, CorridorRequest):
         return [arcs]
     forward = [_along_flight(arc, session) for arc in arcs]
-    if not session.spacecraft.camera.reversible:
+    if not session.platform.camera.both_ways:
         return [forward]
     senses = [(arc, replace(arc.turned_round(), backwards=True)) for arc in forward]
     return [[both[(k + first) % 2] for k, both in enumerate(senses)] for first in (0, 1)]
@@ -60,11 +60,11 @@ def least_time_s(request: Request, session: ImagingSession) -> tuple[int, float]
         arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
         looks = 2 if isinstance(request, StereoRequest) else 1
         scans, scan_s = looks * len(arcs), looks * sum(arc.duration_s for arc in arcs)
-    return scans, scan_s + (scans - 1) * max(session.spacecraft.slew.settle_s, TICK_S)
+    return scans, scan_s + (scans - 1) * max(session.slews.settle_s, TICK_S)
 
 
 def _strip_pattern(request: AreaRequest, session: ImagingSession) -> StripPattern:
-    swath_m = session.spacecraft.camera.swath_m
+    swath_m = session.spacecraft.swath_m
     return strip_pattern(
         request.geometry.coordinates,
         request.height_m,

@@ -10,7 +10,6 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.rotation import Rotation
-from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.ground_arc import (
     GroundArc,
     orbital_q_body_from_eci,
@@ -19,7 +18,7 @@ from planner.spacecraft.imaging.ground_arc import (
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.frames.geodesy import WGS84_A_M
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
@@ -104,7 +103,7 @@ def make_session(request: ImagingPlanRequest) -> ImagingSession:
         ephemeris=ephemeris,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
         spacecraft=spacecraft,
-        slews=Slews(platform=body_of(spacecraft, request.settings.momentum_n_m_s)),
+        slews=Slews(platform=spacecraft.platform(request.settings.momentum_n_m_s)),
     )
 
 

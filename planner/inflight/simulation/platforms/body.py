@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms.body import BodyPlatform
-from planner.world.platforms.gyro_craft import GyroCraft, Sensors
+from planner.world.platforms.gyro_craft import gyro_craft
 from planner.world.scenario import Scenario
 
 
@@ -212,23 +212,3 @@ class BodyFlyer:
             rate_rad_s=rate_rad_s,
             phase_rad=random.uniform(0.0, 2.0 * math.pi, shape),
         )
-
-
-def gyro_craft(platform: BodyPlatform) -> GyroCraft:
-    """The body with the paper's structure, sensors and gains, by share of its own inertia.
-
-    Its rate gyros read a little more than turns may ask, the paper's 1.6 deg/s at least.
-    """
-    gyros = platform.gyros
-    assert gyros is not None
-    assert platform.inertia_kg_m2 is not None  # with gyros
-    rate_rad_s = math.radians(gyros.turns.rate_max_deg_s)
-    inertia_kg_m2 = np.array(platform.inertia_kg_m2)
-    sensors = Sensors()
-    return GyroCraft(
-        inertia_kg_m2=inertia_kg_m2,
-        array=gyros.array.cmg_array,
-        sensors=replace(sensors, gyro_range_rad_s=max(sensors.gyro_range_rad_s, 1.01 * rate_rad_s)),
-        turn_acceleration_rad_s2=gyros.turns.torque_max_n_m / float(np.diag(inertia_kg_m2).max()),
-        turn_rate_rad_s=rate_rad_s,
-    )

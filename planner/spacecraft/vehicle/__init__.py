@@ -1,1 +1,0 @@
-"""The spacecraft itself: its definition, gyros, dynamics and on-board computer."""
