@@ -135,7 +135,7 @@ def settle_table(
 def orbit_states(plan: ImagingPlan) -> OrbitStates:
     """The orbit at the table's rows."""
     session = make_session(plan.request)
-    return session.ephemeris.states(session.instants(plan.table.t_s))
+    return session.ephemeris.states(Instants(EPOCH, plan.table.t_s))
 
 
 def itself(log: Log) -> Log:

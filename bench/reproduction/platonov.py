@@ -53,8 +53,7 @@ from planner.motion.attitude.track import agility_limits, attitude_motion
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
-from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.imaging.session import ImagingSession, make_session
+from planner.spacecraft.imaging.session import GroundArc, ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.plan import ImagingPlan, plan_imaging
 from planner.spacecraft.requests import (
@@ -252,9 +251,9 @@ def nominal(craft: GyroCraft) -> Dispersion:
 
 
 def attitudes(session: ImagingSession, arc: GroundArc | None, t_s: Array) -> Rotation:
-    """`q_body_from_eci` that scan an arc, or of orbital orientation."""
+    """`q_eci_from_body` that scan an arc, or of orbital orientation."""
     begin_s = 0.0 if arc is None else arc.start_s
-    return session.q_body_from_eci(arc, np.full(len(t_s), begin_s), t_s)
+    return session.q_eci_from_body(arc, np.full(len(t_s), begin_s), t_s)
 
 
 @lru_cache(maxsize=2)
@@ -277,7 +276,7 @@ def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
     for start, stop, number in stretches:
         arc = None if number is None else scans[number].arc
         t_s = plan.table.t_s[start:stop]
-        motion = attitude_motion(of_like_sign(attitudes(session, arc, t_s).inv().as_quat()), 0.2)
+        motion = attitude_motion(of_like_sign(attitudes(session, arc, t_s).as_quat()), 0.2)
         q[start:stop] = motion.position
         omega[start:stop], alpha[start:stop] = motion.rate_rad_s, motion.acceleration_rad_s2
     table = dataclasses.replace(plan.table, position=q, rate_rad_s=omega, acceleration_rad_s2=alpha)
@@ -490,7 +489,7 @@ def angles_between_strips_deg(height_km: float, scan_s: float) -> list[float]:
         ends.append(attitudes(session, arc, t_s))
     # Both ends lie in inertial axes: what the Earth and the orbit turn meanwhile is in it.
     return [
-        float(np.rad2deg((after[0] * before[1].inv()).magnitude()))
+        float(np.rad2deg((after[0].inv() * before[1]).magnitude()))
         for before, after in pairwise(ends)
     ]
 

@@ -34,6 +34,7 @@ from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import ImagingWindow
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
+from planner.world.frames.time_scales import Instants
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +178,7 @@ def _fly_stabilisation(
     tell: Reporter,
 ) -> StabilisationReport:
     spacecraft, seed = session.spacecraft, session.request.seed
-    states = session.ephemeris.states(session.instants(table.t_s))
+    states = session.ephemeris.states(Instants(table.epoch_utc, table.t_s))
     keep = partial(run_figures, spacecraft, table.rate_rad_s, verification)
     tell("flight", 0, runs)
     flown = fly_many(

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.choose import bound_of, choose
-from planner.spacecraft.imaging.ground_arc import GroundArc
+from planner.spacecraft.imaging.session import GroundArc
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.vehicle import AgileSpacecraft
 

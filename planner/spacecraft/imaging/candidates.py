@@ -5,6 +5,7 @@ left is refused with when it would come closest.
 """
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,9 +16,8 @@ from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, Unreachable, figures
 from planner.base.mrp import BodyMotion
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
-from planner.spacecraft.imaging.session import ImagingSession
+from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import (
     LOOK_ANGLE_DEG,
     ImagingRequest,
@@ -85,79 +85,73 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
     """
     scans, least_s = least_time_s(request, session)
     if least_s > session.duration_s:
+        count = "one scan" if scans == 1 else f"{scans} scans"
         raise Unreachable(
-            f"{request.name!r} takes {_count(scans)}, which with the slews between last at least "
+            f"{request.name!r} takes {count}, which with the slews between last at least "
             f"{least_s:.1f} s, longer than the session's {session.duration_s:.1f} s; ask for less "
             "at a time or for a longer session",
             field=f"requests.{number}",
             limit="time",
         )
-    if isinstance(request, StereoRequest):
-        found = _stereo_pair(request, number, session)
-    else:
-        starts_s = _start_times_s(request, session)
-        found = [
-            candidate
-            for arcs in scan_orders(request, session)
-            for candidate in _from_starts(arcs, starts_s, number, request, session)
+    looks = [
+        [
+            replace(one, part=part)
+            for arcs in orders
+            for one in _from_starts(arcs, starts_s, number, request, session)
         ]
-    if not found:
-        raise _unreachable_text(request, number, session)
-    kept = [one for one in found if max(one.used_shares) <= OPTIONS.used_max]
-    if {one.part for one in kept} != {one.part for one in found}:  # half a pair is no image
-        raise _overload_text(request, number, found, session)
-    return kept
+        for part, orders, starts_s in _looks(request, session)
+    ]
+    if not all(looks):  # half a pair is no image
+        raise _never_seen(request, number, session)
+    kept = [[one for one in look if max(one.used_shares) <= OPTIONS.used_max] for look in looks]
+    overloaded = [look for look, left in zip(looks, kept, strict=True) if not left]
+    if overloaded:
+        raise _overloaded(request, number, overloaded, session)
+    return [one for look in kept for one in look]
 
 
-def _start_times_s(request: ImagingRequest, session: ImagingSession) -> Array:
+def _looks(
+    request: Request, session: ImagingSession
+) -> Iterator[tuple[int, list[list[GroundArc]], Array]]:
+    """Parts of a request: number, arcs in every order, and the starts tried.
+
+    Of a stereo pair where the strip's middle is look_angle_deg ahead (or from `start` on), and the
+    same behind; or gap_s apart.
+    """
+    orders = scan_orders(request, session)
+    asked_s = None
     if request.start is not None:
         start_s = elapsed_s(request.start, session.epoch_utc)
-        return np.array([round(start_s / TICK_S) * TICK_S])
+        asked_s = np.array([round(start_s / TICK_S) * TICK_S])
     grid_s = np.arange(0.0, session.duration_s, OPTIONS.grid_s)
-    if request.window_start is None:
-        return grid_s
-    first_s = elapsed_s(request.window_start, session.epoch_utc)
-    opening_s = math.ceil(first_s / TICK_S - 1e-6) * TICK_S
-    return np.union1d(grid_s, [opening_s])  # a window as short as the scan is met too
+    if not isinstance(request, StereoRequest):
+        if asked_s is None and request.window_start is not None:
+            # A window as short as the scan is met too.
+            opening_s = elapsed_s(request.window_start, session.epoch_utc)
+            grid_s = np.union1d(grid_s, [math.ceil(opening_s / TICK_S - 1e-6) * TICK_S])
+        yield 0, orders, grid_s if asked_s is None else asked_s
+        return
+    [arc] = orders[0]
+    tick_s = np.arange(0.0, session.duration_s, TICK_S)
+    effort.charge(OPTIONS.point_at_tick * len(tick_s))
+    along_rad, _ = session.passing.look_angles(_point_itrf_m(arc, 0.5), tick_s)
 
-
-def _stereo_pair(request: StereoRequest, number: int, session: ImagingSession) -> list[Candidate]:
-    """Two looks; none unless there are both."""
-    [arc] = scan_orders(request, session)[0]
-    found: list[Candidate] = []
-    for part, starts_s in enumerate(_stereo_starts_s(request, arc, session), start=1):
-        looks = _from_starts([arc], starts_s, number, request, session)
-        if not looks:
-            return []
-        found += [replace(look, part=part) for look in looks]
-    return found
-
-
-def _stereo_starts_s(
-    request: StereoRequest, arc: GroundArc, session: ImagingSession
-) -> tuple[Array, Array]:
-    """Of each look: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
-    behind; or gap_s apart."""
-    grid_s = np.arange(0.0, session.duration_s, TICK_S)
-    effort.charge(OPTIONS.point_at_tick * len(grid_s))
-    along_rad, _ = session.passing.look_angles(_point_itrf_m(arc, 0.5), grid_s)
-
-    def start_s(angle_deg: float, earlier_s: float = 0.0) -> float:
-        middle_s = float(grid_s[np.argmin(np.abs(along_rad - math.radians(angle_deg)))])
+    def start_s_at(angle_deg: float, earlier_s: float = 0.0) -> float:
+        middle_s = float(tick_s[np.argmin(np.abs(along_rad - math.radians(angle_deg)))])
         return round((middle_s - earlier_s - 0.5 * arc.duration_s) / TICK_S) * TICK_S
 
-    asked_s = None if request.start is None else _start_times_s(request, session)
-    if request.gap_s is not None:
-        first_s = asked_s if asked_s is not None else np.array([start_s(0.0, 0.5 * request.gap_s)])
-        return first_s, first_s + round(request.gap_s / TICK_S) * TICK_S
+    steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
+    steps_s = steps * TICK_S * OPTIONS.stereo_step_ticks
     angle_deg = LOOK_ANGLE_DEG if request.look_angle_deg is None else request.look_angle_deg
-    steps_s = (
-        np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
-        * TICK_S
-        * OPTIONS.stereo_step_ticks
-    )
-    first_s = asked_s if asked_s is not None else start_s(angle_deg) + steps_s
-    return first_s, start_s(-angle_deg) + steps_s
+    if request.gap_s is None:
+        first_s = start_s_at(angle_deg) + steps_s if asked_s is None else asked_s
+        second_s = start_s_at(-angle_deg) + steps_s
+    else:
+        around_s = np.array([start_s_at(0.0, 0.5 * request.gap_s)])
+        first_s = around_s if asked_s is None else asked_s
+        second_s = first_s + round(request.gap_s / TICK_S) * TICK_S
+    for part, starts_s in enumerate((first_s, second_s), start=1):
+        yield part, [[arc]], starts_s
 
 
 def _from_starts(
@@ -166,7 +160,7 @@ def _from_starts(
     number: int,
     request: ImagingRequest,
     session: ImagingSession,
-) -> list[Candidate]:
+) -> Iterator[Candidate]:
     """The arcs one after another from every start where all are within the camera's angles."""
     first_s, last_s = _window_s(request, session)
     t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
@@ -182,7 +176,7 @@ def _from_starts(
         in_reach, along_rad = _in_reach(arc, t_s[kept], scan_s, session)
         kept = kept[in_reach]
         if not kept.size:
-            return []
+            return
         begins_s = np.vstack([begins_s[:, kept], t_s[kept]])
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
         used = np.maximum(used[:, kept], _used_shares(arc, t_s[kept], scan_s, session))
@@ -190,8 +184,8 @@ def _from_starts(
         exit_states = session.ends(arc, begins_s[-1], scan_s)
     assert exit_states is not None
     entry_states = session.entries(arcs[0], begins_s[0])
-    return [
-        Candidate(
+    for k in range(len(t_s)):
+        yield Candidate(
             request=number,
             part=0,
             arcs=tuple(
@@ -203,19 +197,17 @@ def _from_starts(
             tilt_rad=float(tilt_rad[k]),
             used_shares=(float(used[0, k]), float(used[1, k])),
         )
-        for k in range(len(t_s))
-    ]
 
 
 def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, float]:
     """First and last moment of the request's window within the session."""
     first_s, last_s = 0.0, session.duration_s
     if request.window_start is not None:
-        first_s = max(
-            first_s, elapsed_s(request.window_start, session.epoch_utc) - OPTIONS.rounding_s
-        )
+        opening_s = elapsed_s(request.window_start, session.epoch_utc)
+        first_s = max(first_s, opening_s - OPTIONS.rounding_s)
     if request.window_stop is not None:
-        last_s = min(last_s, elapsed_s(request.window_stop, session.epoch_utc) + OPTIONS.rounding_s)
+        closing_s = elapsed_s(request.window_stop, session.epoch_utc)
+        last_s = min(last_s, closing_s + OPTIONS.rounding_s)
     return first_s, last_s
 
 
@@ -230,40 +222,31 @@ def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: Imagi
 
 def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
     """Shares of the limits of rate and acceleration, (2, n), most used from when each scan is
-    settled onto until it is left; by differences over a tick."""
+    settled onto until it is left."""
     limits, settle_s = agility_limits(session.platform), session.slews.settle_s
-    span_s = settle_s + scan_s + TICK_S
-    count = math.ceil(span_s / OPTIONS.load_step_s) + 1
+    count = math.ceil((settle_s + scan_s + TICK_S) / OPTIONS.load_step_s) + 1
     effort.charge(OPTIONS.load * count * len(begins_s))
-    after_s = np.tile(np.linspace(-settle_s, scan_s + TICK_S, count), len(begins_s))
-    t_s = np.repeat(begins_s, count) + after_s
-    before, now, later = (
-        session.q_body_from_eci(arc, t_s - after_s, t_s + shift_s)
-        for shift_s in (-TICK_S, 0.0, TICK_S)
-    )
-    rates_body_rad_s = [
-        now.apply((end.inv() * begin).as_rotvec() / TICK_S)
-        for begin, end in ((before, now), (now, later))
-    ]
-    omega_body_rad_s = 0.5 * (rates_body_rad_s[0] + rates_body_rad_s[1])
-    alpha_body_rad_s2 = (rates_body_rad_s[1] - rates_body_rad_s[0]) / TICK_S
-    still = np.zeros_like(omega_body_rad_s)
-    used = limits.shares(BodyMotion(omega_body_rad_s, alpha_body_rad_s2, still))[:, :2]
-    return np.asarray(np.max(used.T.reshape(2, len(begins_s), count), axis=2))
+    used = np.zeros((2, len(begins_s)))
+    for after_s in np.linspace(-settle_s, scan_s + TICK_S, count).tolist():
+        _, rate, acceleration, _ = np.split(
+            session.ends(arc, begins_s, after_s), [4, 7, 10], axis=1
+        )
+        motion = BodyMotion(rate, acceleration, np.zeros_like(rate))
+        used = np.maximum(used, limits.shares(motion)[:, :2].T)
+    return used
 
 
 def _in_reach(
     arc: GroundArc, t_s: Array, scan_s: float, session: ImagingSession
 ) -> tuple[NDArray[np.bool_], Array]:
     """Whether the camera can look at all of the arc, and the largest angle along the track."""
-    camera = session.spacecraft
+    spacecraft = session.spacecraft
+    most_rad = np.deg2rad([spacecraft.along_max_deg, spacecraft.across_max_deg])[:, None]
     in_reach, tilt_rad = np.ones(len(t_s), dtype=bool), np.zeros(len(t_s))
     for share in (0.0, 0.5, 1.0):
-        point_itrf_m = _point_itrf_m(arc, share)
-        along_rad, across_rad = session.passing.look_angles(point_itrf_m, t_s + share * scan_s)
-        in_reach &= np.abs(along_rad) <= math.radians(camera.along_max_deg)
-        in_reach &= np.abs(across_rad) <= math.radians(camera.across_max_deg)
-        tilt_rad = np.maximum(tilt_rad, np.abs(along_rad))
+        seen = session.passing.look_angles(_point_itrf_m(arc, share), t_s + share * scan_s)
+        in_reach &= np.all(np.abs(seen) <= most_rad, axis=0)
+        tilt_rad = np.maximum(tilt_rad, np.abs(seen[0]))
     return in_reach, tilt_rad
 
 
@@ -271,81 +254,55 @@ def _point_itrf_m(arc: GroundArc, share: float) -> Array:
     return np.asarray(arc.point_itrf(np.array([share]))[0][0])
 
 
-def _count(scans: int) -> str:
-    return "one scan" if scans == 1 else f"{scans} scans"
-
-
-def middle_of(request: Request, session: ImagingSession) -> Array:
-    """A point in the middle of a request, ITRF."""
-    arcs = scan_orders(request, session)[0]
-    ends_itrf_m = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
-    return np.asarray(ends_itrf_m.mean(axis=0))
-
-
-def _overload_text(
-    request: Request, number: int, found: list[Candidate], session: ImagingSession
+def _overloaded(
+    request: Request, number: int, looks: Iterable[list[Candidate]], session: ImagingSession
 ) -> InfeasibleSlew:
-    """What the scan that comes nearest to the limits asks for, of the look that none can scan."""
-    nearest = (
-        min((one.used_shares for one in found if one.part == part), key=max)
-        for part in {one.part for one in found}
-    )
-    used = max(nearest, key=max)
-    worst = used.index(max(used))
+    """What the scan that comes nearest to the limits asks for, of looks that none can scan."""
+    used = max((min((one.used_shares for one in look), key=max) for look in looks), key=max)
     gyros = session.platform.gyros
     assert gyros is not None  # as of every body of this front
+    worst = used.index(max(used))
     limit, most, text = (
         ("rate", gyros.turns.rate_max_deg_s, "turn the body at {} deg/s about an axis"),
         ("torque", gyros.turns.torque_max_n_m, "take {} N m of the gyros"),
     )[worst]
-    less = "ask for another scan_speed_m_s"
-    if any(gyros.start_n_m_s):
-        less = f"unload momentum first, {less}"
+    first = "unload momentum first, " if any(gyros.start_n_m_s) else ""
     told = text.format(figures(used[worst] * most, OPTIONS.used_max * most))
     return InfeasibleSlew(
         f"scanning {request.name!r} would {told} at least, more than {OPTIONS.used_max:.0%} of the "
-        f"{most:.4g} there are; {less} or use another pass",
+        f"{most:.4g} there are; {first}ask for another scan_speed_m_s or use another pass",
         field=f"requests.{number}",
         limit=limit,
     )
 
 
-def _unreachable_text(request: Request, number: int, session: ImagingSession) -> Unreachable:
+def _never_seen(request: Request, number: int, session: ImagingSession) -> Unreachable:
     """Say when it would come closest, and at what angles."""
-    camera = session.spacecraft
-    middle_itrf_m = middle_of(request, session)
+    spacecraft, (arcs, *_) = session.spacecraft, scan_orders(request, session)
+    ends_itrf_m = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
     grid_s = np.arange(0.0, session.duration_s, 1.0)
-    along_rad, across_rad = session.passing.look_angles(middle_itrf_m, grid_s)
+    along_rad, across_rad = session.passing.look_angles(ends_itrf_m.mean(axis=0), grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
     at_utc = shifted_utc(session.epoch_utc, float(grid_s[abeam]))
-    where = (
-        f"closest at {utc_text(at_utc, 1)}, {math.degrees(along_rad[abeam]):.1f} deg along and "
-        f"{math.degrees(across_rad[abeam]):.1f} deg across the track"
-        if abs(along_rad[abeam]) < OPTIONS.passing_rad
-        else "the track doesn't pass it"
-    )
+    where = "the track doesn't pass it"
+    if abs(along_rad[abeam]) < OPTIONS.passing_rad:
+        where = (
+            f"closest at {utc_text(at_utc, 1)}, {math.degrees(along_rad[abeam]):.1f} deg along and "
+            f"{math.degrees(across_rad[abeam]):.1f} deg across the track"
+        )
+    scans, least_s = least_time_s(request, session)
+    takes = f"{least_s:.1f} s that {scans} scans, with the slews between, take at least"
+    less = "shorten the request"
+    if isinstance(request, StereoRequest):
+        takes = f"{arcs[0].duration_s:.1f} s that each look takes"
+        less += f", ask for a smaller {'look_angle_deg' if request.gap_s is None else 'gap_s'}"
+    elif scans == 1:
+        takes = f"{least_s:.1f} s it takes to scan"
     return Unreachable(
-        f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
-        f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{_duration_text(request, session)}: {where}; move or widen the window, "
-        f"{_less_asked(request)} or use another pass",
+        f"{request.name!r} is never wholly within {spacecraft.along_max_deg:g} deg along and "
+        f"{spacecraft.across_max_deg:g} deg across the track, in its window and session, for the "
+        f"{takes}: {where}; move or widen the window, {less} or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,
     )
-
-
-def _duration_text(request: Request, session: ImagingSession) -> str:
-    if isinstance(request, StereoRequest):
-        return f"{scan_orders(request, session)[0][0].duration_s:.1f} s that each look takes"
-    scans, least_s = least_time_s(request, session)
-    if scans == 1:
-        return f"{least_s:.1f} s it takes to scan"
-    return f"{least_s:.1f} s that {scans} scans, with the slews between, take at least"
-
-
-def _less_asked(request: Request) -> str:
-    if isinstance(request, StereoRequest):
-        closer = "look_angle_deg" if request.gap_s is None else "gap_s"
-        return f"shorten the request, ask for a smaller {closer}"
-    return "shorten the request"

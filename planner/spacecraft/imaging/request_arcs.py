@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.imaging.session import ImagingSession
+from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import (
     AreaRequest,
     CorridorRequest,

@@ -1,4 +1,10 @@
-"""The session that all requests share: orbit, clock, spacecraft, and where a point is seen."""
+"""The session that all requests share: orbit, clock, spacecraft, and the attitudes that scan.
+
+A ground arc P0 -> P1 is scanned in a given time, in every imaging mode.  The optical axis points at
+the moving point, X lies along its motion over the Earth's surface as seen across the line of
+sight, so that the image runs along the detector's columns: yaw steering against Earth rotation
+and any azimuth follow by themselves.
+"""
 
 import math
 from dataclasses import dataclass
@@ -10,24 +16,40 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.rotation import Rotation
-from planner.spacecraft.imaging.ground_arc import (
-    GroundArc,
-    orbital_q_body_from_eci,
-    scan_q_body_from_eci,
-)
+from planner.motion.attitude.track import pointed_quaternions
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle import AgileSpacecraft
+from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
 from planner.world.targets.passing import Passing
+from planner.world.targets.plane_arc import PlaneArc
 
 HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the slews mean little
 HEIGHT_STEP_S = 30.0
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroundArc(PlaneArc):
+    """An arc over the ground, scanned from `start_s` on.
+
+    start_s: seconds since the session's epoch when P0 is under the slit.  backwards: the
+    detector runs in its other sense (X against the motion).
+    """
+
+    start_s: float
+    duration_s: float
+    backwards: bool = False
+
+    @property
+    def ticks(self) -> int:
+        """Whole ticks that cover its scan."""
+        return math.ceil(self.duration_s / TICK_S - 1e-6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,30 +75,37 @@ class ImagingSession:
         return [one.priority for one in self.request.requests]
 
     @property
-    def last_row(self) -> int:
-        return round(self.duration_s / TICK_S)
-
-    def instants(self, t_s: Array) -> Instants:
-        return Instants(self.epoch_utc, t_s)
-
-    @property
     def platform(self) -> BodyPlatform:
         return self.slews.platform
 
-    def q_body_from_eci(self, arc: GroundArc | None, begins_s: Array, t_s: Array) -> Rotation:
-        """n attitudes on an arc whose scans begin then, or in orbital orientation."""
-        if arc is None:
-            return orbital_q_body_from_eci(self.ephemeris, self.instants(t_s))
-        share = (t_s - begins_s) / arc.duration_s
-        return scan_q_body_from_eci(arc, share, self.ephemeris, self.instants(t_s))
+    def q_eci_from_body(self, arc: GroundArc | None, begins_s: Array, t_s: Array) -> Rotation:
+        """n attitudes on an arc whose scans begin then, or in orbital orientation.
+
+        Geometric: light time and aberration shift the image by 16 m along the track, alike for
+        every point, and refraction by less than 5 m at 45 deg; both are left out.
+        """
+        instants = Instants(self.epoch_utc, t_s)
+        states = self.ephemeris.states(instants)
+        toward_eci, along_eci = -states.r_sat_eci_m, states.v_sat_eci_m_s
+        if arc is not None:
+            c_itrf = c_itrf_from_eci(instants)
+            r_point_eci_m, motion_eci = (
+                np.einsum("nji,nj->ni", c_itrf, of)
+                for of in arc.point_itrf((t_s - begins_s) / arc.duration_s)
+            )
+            toward_eci = toward_eci + r_point_eci_m
+            along_eci = -motion_eci if arc.backwards else motion_eci
+        toward_eci = toward_eci / np.linalg.norm(toward_eci, axis=1, keepdims=True)
+        along_body = np.array([1.0, 0.0, 0.0])
+        return Rotation.from_quat(
+            pointed_quaternions(toward_eci, along_eci, self.platform.boresight_body, along_body)
+        )
 
     def ends(self, arc: GroundArc | None, begins_s: Array, after_s: float) -> Array:
         """States as of `Slews`, so long after the scans of an arc begin, (n, 11); None: in orbital
         orientation."""
         t_s = begins_s + after_s
-        return self.slews.states(
-            lambda more_s: self.q_body_from_eci(arc, begins_s, t_s + more_s).inv()
-        )
+        return self.slews.states(lambda more_s: self.q_eci_from_body(arc, begins_s, t_s + more_s))
 
     def entries(self, arc: GroundArc, begins_s: Array) -> Array:
         """In which lines are joined whose scans begin then."""

@@ -16,8 +16,7 @@ from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.planning.sessions.track_branches import seen_from_s
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.imaging.session import ImagingSession
+from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
@@ -146,7 +145,7 @@ def build_timeline(session: ImagingSession, scans: tuple[Scan, ...]) -> Timeline
     numbers = [scan.request for scan in scans]
     return Timeline(
         scenario=scenario,
-        joins=[*onto, replace(final, stop_row=session.last_row)],
+        joins=[*onto, replace(final, stop_row=round(session.duration_s / TICK_S))],
         windows=tuple(
             ImagingWindow(
                 request=session.request.requests[scan.request].name,
