@@ -10,10 +10,13 @@ from planner.base.answer_members import Count, DirectionPart, NotNegative, Signe
 from planner.base.arrays import Array
 from planner.base.commands import BODY_CHANNELS, COMMAND_STEP_S, CommandTable
 from planner.base.rotation import Rotation, continuous
-from planner.spacecraft.flight.report import StabilisationReport
-from planner.spacecraft.found import AttitudeSlewReport, ImagingChoice
+from planner.spacecraft.found import (
+    AttitudeSlewReport,
+    ImagingChoice,
+    ImagingSummary,
+    StabilisationReport,
+)
 from planner.spacecraft.requests import LeftOut
-from planner.spacecraft.summary import ImagingSummary, summarise
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 from planner.world.frames.time_scales import utc_text
 
@@ -136,7 +139,7 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
         SpacecraftPlanDocument(
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
-            summary=summarise(plan),
+            summary=plan.summary,
             windows=plan.verification.windows,
             left_out=list(plan.left_out),
             choice=plan.choice,

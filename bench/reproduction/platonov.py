@@ -50,7 +50,7 @@ from planner.inflight.simulation.gyros.onboard import (
 from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
 from planner.motion.attitude.eigenaxis import quickest_angle
 from planner.motion.attitude.track import agility_limits, attitude_motion
-from planner.spacecraft.flight.simulation import fly_many
+from planner.spacecraft.flights import fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession, make_session

@@ -1,9 +1,21 @@
-"""Slews of a session beside their baselines, and how good its choice is."""
+"""What a session is told by: its requests, slews, steadiness, and how good its choice is."""
 
+import math
 from typing import Annotated, Literal
 
-from planner.base.answer_members import Count, Internal, Member, NotNegative, Share, answer
-from planner.world.frames.time_scales import RowUtc
+from planner.base.answer_members import (
+    AngleSize,
+    Count,
+    Internal,
+    Member,
+    NotNegative,
+    Share,
+    Signed,
+    answer,
+)
+from planner.inflight.simulation.gyros.report import GyroSteadiness
+from planner.world.frames.time_scales import RowUtc, Utc
+from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
 
 
 @answer
@@ -61,3 +73,95 @@ class ImagingChoice:
     @property
     def gap_share(self) -> Share:
         return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
+
+
+@answer
+class ImagingSteadiness(GyroSteadiness):
+    """One imaging interval over all dispersed closed-loop runs, as of any body with gyros.
+
+    request: name of the request it belongs to.
+    look: number of the strip, look or leg within the request, from 0.
+    steady: within 0.001 deg/s on every axis in every run.
+    settled_s: from the end of the interval before until steady for good.
+    smear_px: largest over one exposure.
+    momentum_margin_n_m_s: least distance to the sphere of momentum that the gyros can take in every
+    direction, since the interval before.
+    """
+
+    request: str
+    look: Count
+    steady: bool
+    settled_s: NotNegative
+    smear_px: NotNegative  # the rate error across the optical axis times the exposure
+    momentum_margin_n_m_s: Signed
+
+
+@answer
+class StabilisationReport:
+    """Closed-loop runs of the table.
+
+    runs: number of dispersed runs.
+    share_steady: of intervals times runs; null without any.
+    worst_rad_s: largest rate error on any axis; null without any.
+    windows: each interval over all runs.
+    """
+
+    runs: Count
+    share_steady: Share | None
+    worst_rad_s: AngleSize | None
+    windows: tuple[ImagingSteadiness, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of images that would be blurred, or may be."""
+        if self.runs == 0:
+            return (
+                "the table was not flown in closed loop, so whether the camera is steady enough is "
+                "not known; ask for simulation_runs",
+            )
+        if self.share_steady is None or self.share_steady == 1.0:
+            return ()
+        return (
+            f"in {self.runs} dispersed runs {self.share_steady:.0%} of the imaging intervals were "
+            f"steady within {math.degrees(RATE_ERROR_MAX_RAD_S):g} deg/s; a longer "
+            "settings.settle_s, a smaller settings.rate_axis_max_deg_s (the gyro reads 1.6) or the "
+            'objective "smooth" leaves more',
+        )
+
+
+@answer
+class ImagingRequestSummary:
+    """One request as it is planned.
+
+    request: its name.
+    mode: strip, stereo, area or corridor. E.g. `"strip"`.
+    looks: number of times that the camera is on for it; 0 where it is left out.
+    start_utc: first time that it is; UTC, null where it is left out.
+    stop_utc: last time that it is; UTC, null where it is left out.
+    """
+
+    request: str
+    mode: str
+    looks: Count
+    start_utc: Utc | None
+    stop_utc: Utc | None
+
+
+@answer
+class ImagingSummary:
+    """Summary of the session.
+
+    name: as the request gives it.
+    platform: the spacecraft's name.
+    targets: names of the requests.
+    start_utc: row 0 of the table; UTC.
+    stop_utc: latest time at which the spacecraft is back in orbital orientation; UTC.
+    requests: in the order of the request.
+    """
+
+    name: str
+    platform: str
+    targets: tuple[str, ...]
+    start_utc: Utc
+    stop_utc: Utc
+    requests: tuple[ImagingRequestSummary, ...]

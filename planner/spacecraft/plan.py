@@ -2,7 +2,6 @@
 
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -21,20 +20,24 @@ from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.sessions.assembly import table_work
 from planner.planning.sessions.pipeline import StageClock, complete_plan
 from planner.planning.sessions.plan import Plan
-from planner.spacecraft.flight.report import StabilisationReport
-from planner.spacecraft.flight.simulation import fly_many
-from planner.spacecraft.flight.stabilisation import ASSUMPTIONS, run_figures, stabilisation
-from planner.spacecraft.found import AttitudeSlewReport, ImagingChoice
+from planner.spacecraft.flights import ASSUMPTIONS, stabilisation
+from planner.spacecraft.found import (
+    AttitudeSlewReport,
+    ImagingChoice,
+    ImagingRequestSummary,
+    ImagingSummary,
+    StabilisationReport,
+)
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.baselines import report_slews
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import bound_of
-from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
-from planner.spacecraft.table import ImagingWindow
+from planner.spacecraft.imaging.session import make_session
+from planner.spacecraft.requests import ImagingPlanRequest, LeftOut, Request
+from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, shifted_utc
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +81,32 @@ class ImagingPlan:
     @property
     def table(self) -> CommandTable:
         return self.whole.table
+
+    @property
+    def summary(self) -> ImagingSummary:
+        request = self.request
+        return ImagingSummary(
+            name=request.name,
+            platform=request.spacecraft,
+            targets=tuple(one.name for one in request.requests),
+            start_utc=request.start,
+            stop_utc=request.stop,
+            requests=tuple(map(self._summary_of, request.requests)),
+        )
+
+    def _summary_of(self, asked: Request) -> ImagingRequestSummary:
+        looks = [window for window in self.windows if window.request == asked.name]
+        on = [row for look in looks for row in (look.first_row, look.last_row)]
+        start_utc, stop_utc = (
+            shifted_utc(self.table.epoch_utc, of(on) * TICK_S) if on else None for of in (min, max)
+        )
+        return ImagingRequestSummary(
+            request=asked.name,
+            mode=asked.mode,
+            looks=len(looks),
+            start_utc=start_utc,
+            stop_utc=stop_utc,
+        )
 
 
 def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> ImagingPlan:
@@ -155,7 +184,15 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
-    report = _fly_stabilisation(session, whole.table, verification, runs, tell)
+    tell("flight", 0, runs)
+    report = stabilisation(
+        session.spacecraft,
+        whole.table,
+        verification.windows,
+        session.ephemeris.states(Instants(whole.table.epoch_utc, whole.table.t_s)),
+        range(request.seed, request.seed + runs),
+        lambda done: tell("flight", done, runs),
+    )
     return ImagingPlan(
         request=request,
         whole=whole,
@@ -168,29 +205,6 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
         assumptions=ASSUMPTIONS,
         warnings=(*warnings, *report.warnings),
     )
-
-
-def _fly_stabilisation(
-    session: ImagingSession,
-    table: CommandTable,
-    verification: SpacecraftVerification,
-    runs: int,
-    tell: Reporter,
-) -> StabilisationReport:
-    spacecraft, seed = session.spacecraft, session.request.seed
-    states = session.ephemeris.states(Instants(table.epoch_utc, table.t_s))
-    keep = partial(run_figures, spacecraft, table.rate_rad_s, verification)
-    tell("flight", 0, runs)
-    flown = fly_many(
-        spacecraft,
-        table,
-        verification.windows,
-        states,
-        range(seed, seed + runs),
-        keep,
-        lambda done: tell("flight", done, runs),
-    )
-    return stabilisation(spacecraft, verification, flown)
 
 
 def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:

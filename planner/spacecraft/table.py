@@ -1,5 +1,6 @@
 """The rows of a session's table in which the camera runs."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,7 @@ class ImagingWindow:
     last_row: Count
 
 
-def camera_on(windows: tuple[ImagingWindow, ...], rows: int) -> NDArray[np.bool_]:
+def camera_on(windows: Sequence[ImagingWindow], rows: int) -> NDArray[np.bool_]:
     """Whether the camera runs from row k to k + 1, shape (rows - 1,)."""
     on = np.zeros(rows - 1, dtype=bool)
     for window in windows:

@@ -1,1 +1,0 @@
-"""A command table flown closed loop, and how still it holds the camera."""
