@@ -58,15 +58,16 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
     print_rows(
         console, "imaging",
         (one | flown for one, flown in zip(plan["windows"], steadiness, strict=True)),
-        ("<request", "request"), ("look", "look"), ("<start", "start", _time),
-        ("<stop", "stop", _time), ("across", "across_deg", ".1f"), ("along", "along_deg", ".1f"),
+        ("<request", "request"), ("look", "look"), ("<start", "start", lambda utc: utc[11:-1]),
+        ("<stop", "stop", lambda utc: utc[11:-1]), ("across", "across_deg", ".1f"),
+        ("along", "along_deg", ".1f"),
         ("deg/s off", lambda one: max(one.get("rate_error_deg_s", ()), default=None), ".5f"),
         ("smear px", lambda one: one.get("smear_px"), ".3f"),
     )  # fmt: skip
     print_rows(
         console, "slews", plan["slews"],
-        ("<start", "start", _time), ("deg", "angle_deg", ".1f"), ("seconds", "duration_s", ".1f"),
-        ("eigenaxis", "eigenaxis_s", ".1f"), ("<by", "method"),
+        ("<start", "start", lambda utc: utc[11:-1]), ("deg", "angle_deg", ".1f"),
+        ("seconds", "duration_s", ".1f"), ("eigenaxis", "eigenaxis_s", ".1f"), ("<by", "method"),
         ("Nm/s", "torque_rate_peak_n_m_s", ".1f"),
         ("eigenaxis", "eigenaxis_torque_rate_peak_n_m_s", ".1f"),
     )  # fmt: skip
@@ -83,8 +84,3 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
         )
     print_warnings(console, plan["warnings"])
     console.print(Text("verification passed", style="green"))
-
-
-def _time(utc: str) -> str:
-    """Of the day."""
-    return utc[11:-1]

@@ -1,6 +1,5 @@
 """Reads requests for an imaging session."""
 
-import json
 from typing import Any
 
 from app.requests.json_reader import JsonReader
@@ -12,7 +11,7 @@ from planner.spacecraft.vehicle import SPACECRAFT
 def _with_plain_requests(document: object) -> object:
     if not isinstance(document, dict) or not isinstance(document.get("requests"), dict):
         return document
-    return document | {"requests": requests_from_features(json.dumps(document["requests"]))}
+    return document | {"requests": requests_from_features(document["requests"])}
 
 
 def _add_features(schema: dict[str, Any]) -> None:

@@ -7,7 +7,7 @@ points come from its own intersection of the optical axis with the ellipsoid.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -178,13 +178,11 @@ def _span_findings(session: _Session) -> tuple[str, ...]:
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _View:
-    """The camera at n instants.
+class _View(NamedTuple):
+    """The camera at n instants, (n, 3) each.
 
-    r_sat_itrf_m, r_ground_itrf_m: (n, 3), the satellite, and where the optical axis meets the
-    ellipsoid raised by the ground's height.  x_itrf, y_itrf: body axes.  los_lvlh: the optical
-    axis.
+    r_ground_itrf_m: where the optical axis meets the ellipsoid raised by the ground's height.
+    x_itrf, y_itrf: body axes.  los_lvlh: the optical axis.
     """
 
     r_sat_itrf_m: Array
@@ -197,22 +195,16 @@ class _View:
 def _view_at(session: _Session, t_s: Array, height_m: float) -> _View:
     instants = Instants(session.table.epoch_utc, t_s)
     states = session.ephemeris.states(instants)
-    c_itrf = c_itrf_from_eci(instants)
     q_eci_from_body = Rotation.from_quat(motion_at(session.table, t_s).position)
-    q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-
-    def in_itrf(v_eci: Array) -> Array:
-        return np.asarray(np.einsum("nij,nj->ni", c_itrf, v_eci))
-
     los_eci = q_eci_from_body.apply(OPTICAL_AXIS_BODY)
-    r_sat_itrf_m = in_itrf(states.r_sat_eci_m)
-    return _View(
-        r_sat_itrf_m=r_sat_itrf_m,
-        r_ground_itrf_m=_footprint_itrf_m(r_sat_itrf_m, in_itrf(los_eci), height_m),
-        x_itrf=in_itrf(q_eci_from_body.apply([1.0, 0.0, 0.0])),
-        y_itrf=in_itrf(q_eci_from_body.apply([0.0, 1.0, 0.0])),
-        los_lvlh=q_lvlh.apply(los_eci),
+    q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
+    c_itrf = c_itrf_from_eci(instants)
+    r_sat_itrf_m, los_itrf, x_itrf = (
+        np.einsum("nij,nj->ni", c_itrf, of_eci)
+        for of_eci in (states.r_sat_eci_m, los_eci, q_eci_from_body.apply([1.0, 0.0, 0.0]))
     )
+    r_ground_itrf_m = _footprint_itrf_m(r_sat_itrf_m, los_itrf, height_m)
+    return _View(r_sat_itrf_m, r_ground_itrf_m, x_itrf, -los_itrf, q_lvlh.apply(los_eci))
 
 
 def _footprint_itrf_m(r_sat_itrf_m: Array, los_itrf: Array, height_m: float) -> Array:
@@ -254,10 +246,8 @@ def _drift_rad(view: _View, v_ground_m_s: Array) -> Array:
     """Angle between X and the image's motion, seen across the optical axis, (n,)."""
     down = view.y_itrf * np.sum(v_ground_m_s * view.y_itrf, axis=1, keepdims=True)
     across_m_s = v_ground_m_s - down
-    size_m_s = np.linalg.norm(across_m_s, axis=1)
-    cosine = np.abs(np.sum(view.x_itrf * across_m_s, axis=1)) / size_m_s
-    sine = np.linalg.norm(np.cross(view.x_itrf, across_m_s), axis=1) / size_m_s
-    return np.asarray(np.arctan2(sine, cosine))
+    turned = np.linalg.norm(np.cross(view.x_itrf, across_m_s), axis=1)
+    return np.asarray(np.arctan2(turned, np.abs(np.sum(view.x_itrf * across_m_s, axis=1))))
 
 
 def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> float:
@@ -283,18 +273,25 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
 
 
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
-    camera = session.spacecraft
-    look = f"{found.request!r} look {found.look}"
-    if found.speed_spread > TOLERANCES.speed:
-        yield f"{look}: scan speed off by {100 * found.speed_spread:.3f} %"
-    if found.drift_rad > TOLERANCES.drift_rad:
-        yield f"{look}: the image drifts by {math.degrees(found.drift_rad):.4f} deg"
-    if found.miss_m > TOLERANCES.ground_m:
-        yield f"{look}: scans {found.miss_m:.2f} m beside the line asked for"
-    if found.along_deg > camera.along_max_deg + TOLERANCES.angle_deg:
-        yield f"{look}: {found.along_deg:.2f} deg along the track"
-    if found.across_deg > camera.across_max_deg + TOLERANCES.angle_deg:
-        yield f"{look}: {found.across_deg:.2f} deg across the track"
+    spacecraft = session.spacecraft
+    along_deg, across_deg = (
+        most_deg + TOLERANCES.angle_deg
+        for most_deg in (spacecraft.along_max_deg, spacecraft.across_max_deg)
+    )
+    drift_deg = math.degrees(found.drift_rad)
+    for value, most, told in (
+        (found.speed_spread, TOLERANCES.speed, f"scan speed off by {found.speed_spread:.3%}"),
+        (found.drift_rad, TOLERANCES.drift_rad, f"the image drifts by {drift_deg:.4f} deg"),
+        (
+            found.miss_m,
+            TOLERANCES.ground_m,
+            f"scans {found.miss_m:.2f} m beside the line asked for",
+        ),
+        (found.along_deg, along_deg, f"{found.along_deg:.2f} deg along the track"),
+        (found.across_deg, across_deg, f"{found.across_deg:.2f} deg across the track"),
+    ):
+        if value > most:
+            yield f"{found.request!r} look {found.look}: {told}"
 
 
 def _coverage_findings(session: _Session) -> Iterator[str]:

@@ -30,7 +30,7 @@ def test_the_example_holds_every_mode():
 
 def test_features_and_request_say_the_same():
     text = (EXAMPLES / "spacecraft_four_modes.geojson").read_text(encoding="utf-8")
-    assert requests_from_features(text) == example()["requests"]
+    assert requests_from_features(json.loads(text)) == example()["requests"]
 
 
 @pytest.mark.parametrize(
@@ -82,12 +82,10 @@ def test_every_mode_is_asked_the_same(mode, change):
         SCHEMA.validate_json(json.dumps(document))
 
 
-@pytest.mark.parametrize(
-    "text", ["", "[]", '{"features": []}', '{"features": [1]}', "[" * 100_000, "x" * 1_000_001]
-)
-def test_hostile_geojson_is_refused(text):
+@pytest.mark.parametrize("requests", [{}, {"features": []}, {"features": 1}, {"features": [1]}])
+def test_hostile_geojson_is_refused(requests):
     with pytest.raises(InvalidMessage):
-        requests_from_features(text)
+        read_spacecraft_request(json.dumps(example() | {"requests": requests}).encode())
 
 
 @pytest.mark.parametrize(

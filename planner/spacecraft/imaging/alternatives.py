@@ -6,13 +6,16 @@ planned and verified.
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
-from planner.spacecraft.imaging.candidates import Candidate, candidates
+from planner.planning.label_search import COMPLETES, OPENS, WHOLE
+from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
 from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import make_session
@@ -45,9 +48,8 @@ class AlternativeOptions:
 OPTIONS = AlternativeOptions()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Alternative:
-    """A request worth trying, and how to say so.  start, stop: of its imaging."""
+class Alternative(NamedTuple):
+    """A request worth trying, and how to say so.  start_utc, stop_utc: of its imaging."""
 
     request: ImagingPlanRequest
     text: str
@@ -70,7 +72,10 @@ def refusal_with_alternative(
         alternatives = _wider_gaps(request, _number_at_fault(why), why.gap_s)
     else:
         alternatives = _of_one_request(request, _number_at_fault(why))
-    found = next((one for one in alternatives if works(one.request)), None)
+    found = next(
+        (one for one in alternatives if works(replace(one.request, simulation_runs=0))),
+        None,
+    )
     if found is None:
         return why
     kind = next(k for k in (Unreachable, InfeasibleSlew, InvalidInput) if isinstance(why, k))
@@ -100,10 +105,8 @@ def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
             continue
         x, y, z = (momentum_n_m_s * (left_n_m_s / stored_n_m_s)).tolist()
         settings = replace(request.settings, momentum_n_m_s=(x, y, z))
-        yield Alternative(
-            request=replace(request, settings=settings, simulation_runs=0),
-            text=f"{left_n_m_s:.0f} N m s in the same direction",
-        )
+        changed = replace(request, settings=settings)
+        yield Alternative(changed, f"{left_n_m_s:.0f} N m s in the same direction")
 
 
 def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Iterator[Alternative]:
@@ -113,63 +116,49 @@ def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Itera
     for more_s in OPTIONS.gap_more_s:
         wider_s = math.ceil(gap_s) + more_s
         pair = replace(asked, look_angle_deg=None, gap_s=wider_s)
-        yield Alternative(
-            request=replace(request, requests=(pair,), simulation_runs=0),
-            text=f"{pair.name!r} with a gap_s of {wider_s:g}",
-        )
+        changed = replace(request, requests=(pair,))
+        yield Alternative(changed, f"{pair.name!r} with a gap_s of {wider_s:g}")
 
 
 def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Alternative]:
-    """The number-th request by itself, at another time."""
+    """The number-th request by itself, at the times nearest to those asked for, each a window that
+    holds nothing else."""
     bound = request.requests[number]
     free = replace(bound, start=None, window_start=None, window_stop=None)
     if least_time_s(free, make_session(request))[1] > SESSION_MAX_S:
         return
     for longer_s in OPTIONS.longer_s:
-        times = _other_times(request, bound, free, longer_s)
-        if times:
-            yield from times
+        spans = sorted(
+            _spans(request, free, longer_s), key=lambda span: _shift_s(request, bound, *span)
+        )
+        for span in spans[: OPTIONS.tried_max]:
+            yield _at_time(request, free, *span)
+        if spans:
             return
 
 
-def _other_times(
-    request: ImagingPlanRequest, bound: Request, free: Request, longer_s: float
-) -> list[Alternative]:
-    """The times nearest to those asked for, each as a window that holds nothing else.
-
-    bound, free: the request with and without its start and window.
-    """
-    spans: list[tuple[datetime, datetime]] = []
-    for piece in _lengthen_session(request, longer_s):
-        try:
-            options = candidates(free, 0, make_session(piece))
-        except (Unreachable, OutsideCoverage, InvalidInput):
-            continue
-        spans += [
-            (shifted_utc(piece.start, start_s), shifted_utc(piece.start, stop_s))
-            for start_s, stop_s in _spans_s(options)
-        ]
-    spans.sort(key=lambda span: _shift_s(request, bound, *span))
-    return [_at_time(request, free, *span) for span in spans[: OPTIONS.tried_max]]
-
-
-def _lengthen_session(request: ImagingPlanRequest, longer_s: float) -> Iterator[ImagingPlanRequest]:
-    """The session with so much more before and behind it, in pieces no longer than allowed."""
+def _spans(
+    request: ImagingPlanRequest, free: Request, longer_s: float
+) -> Iterator[tuple[datetime, datetime]]:
+    """When it can be imaged in the session with so much more before and behind it: in pieces no
+    longer than allowed, a stereo pair from look to look."""
     begin_s, end_s = -longer_s, elapsed_s(request.stop, request.start) + longer_s
     count = int(np.ceil((end_s - begin_s) / SESSION_MAX_S))
     piece_s = np.floor((end_s - begin_s) / count)
     for k in range(count):
         start = shifted_utc(request.start, begin_s + k * piece_s)
-        yield replace(request, start=start, stop=shifted_utc(start, piece_s))
-
-
-def _spans_s(options: list[Candidate]) -> list[tuple[float, float]]:
-    """Start and stop of every candidate; of a stereo pair, from look to look."""
-    first = [c for c in options if c.part == 1]
-    if not first:
-        return [(c.start_s, c.stop_s) for c in options]
-    second = [c for c in options if c.part == 2]
-    return [(a.start_s, b.stop_s) for a in first for b in second if b.start_s > a.stop_s]
+        piece = replace(request, start=start, stop=shifted_utc(start, piece_s))
+        with suppress(Unreachable, InfeasibleSlew, OutsideCoverage, InvalidInput):
+            options = candidates(free, 0, make_session(piece))
+            scanned = [(one, one) for one in options if one.part == WHOLE]
+            scanned += [
+                (first, second)
+                for first in options
+                for second in options
+                if (first.part, second.part) == (OPENS, COMPLETES) and second.start_s > first.stop_s
+            ]
+            for first, last in scanned:
+                yield shifted_utc(start, first.start_s), shifted_utc(start, last.stop_s)
 
 
 def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop: datetime) -> float:
@@ -198,15 +187,6 @@ def _at_time(
     )
     if (session_start, session_stop) != (request.start, request.stop):
         text += f" in a session from {utc_text(session_start, 1)} to {utc_text(session_stop, 1)}"
-    return Alternative(
-        request=replace(
-            request,
-            start=session_start,
-            stop=session_stop,
-            requests=(replace(free, window_start=start, window_stop=stop),),
-            simulation_runs=0,
-        ),
-        text=text,
-        start_utc=start,
-        stop_utc=stop,
-    )
+    asked = (replace(free, window_start=start, window_stop=stop),)
+    changed = replace(request, start=session_start, stop=session_stop, requests=asked)
+    return Alternative(changed, text, start, stop)

@@ -34,42 +34,35 @@ def report_slews(
     platform: BodyPlatform, plan: Plan, joins: list[Join]
 ) -> Iterator[AttitudeSlewReport]:
     """Of a plan made of these joins, in order of time."""
+    table = plan.table
+    assert table.acceleration_rad_s2 is not None  # a body's table has it
     row = 0
     for run, (window, join) in zip(plan.slews, pair_joins(plan.scenario, joins), strict=True):
-        if join.brake_rows:
-            yield _report(platform, plan, (row, row + join.brake_rows), None, run.status, 0.0)
-        rows = join.slew_row, join.join_row
-        yield _report(platform, plan, rows, window, run.status, run.wall_s)
+        slews = [(row, row + join.brake_rows, None, 0.0)] if join.brake_rows else []
+        for first, last, onto, solve_s in (
+            *slews,
+            (join.slew_row, join.join_row, window, run.wall_s),
+        ):
+            start_utc, stop_utc = (
+                shifted_utc(table.epoch_utc, k / ROWS_PER_S) for k in (first, last)
+            )
+            span = slice(first, last + 1)
+            motion = Motion(
+                table.position[span], table.rate_rad_s[span], table.acceleration_rad_s2[span]
+            )
+            yield AttitudeSlewReport(
+                start_utc=start_utc,
+                stop_utc=stop_utc,
+                onto=onto,
+                method="ocp",
+                time_from="ocp" if plan.scenario.slew.objective == "minimum_time" else None,
+                status=run.status,
+                solve_s=solve_s,
+                first_row=first,
+                last_row=last,
+                **compare(motion, platform),
+            )
         row = join.stop_row
-
-
-def _report(
-    platform: BodyPlatform,
-    plan: Plan,
-    rows: tuple[int, int],
-    onto: int | None,
-    status: str,
-    solve_s: float,
-) -> AttitudeSlewReport:
-    """rows: the slew's first and last."""
-    start_utc, stop_utc = (shifted_utc(plan.table.epoch_utc, row / ROWS_PER_S) for row in rows)
-    span = slice(rows[0], rows[1] + 1)
-    assert plan.table.acceleration_rad_s2 is not None  # a body's table has it
-    motion = Motion(
-        plan.table.position[span], plan.table.rate_rad_s[span], plan.table.acceleration_rad_s2[span]
-    )
-    return AttitudeSlewReport(
-        start_utc=start_utc,
-        stop_utc=stop_utc,
-        onto=onto,
-        method="ocp",
-        time_from="ocp" if plan.scenario.slew.objective == "minimum_time" else None,
-        status=status,
-        solve_s=solve_s,
-        first_row=rows[0],
-        last_row=rows[1],
-        **compare(motion, platform),
-    )
 
 
 def compare(motion: Motion, platform: BodyPlatform) -> dict[str, float]:

@@ -58,19 +58,14 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     refusal: Refusal | None = None
     for number, request in enumerate(session.request.requests):
         try:
-            options += _options_of_one(number, session)
+            effort.charge(OPTIONS.request)
+            options += _within_session(candidates(request, number, session), number, session)
         except (Unreachable, InfeasibleSlew) as why:
             refusal = refusal or why
             left_out.append(LeftOut(name=request.name, reason=why.detail))
     if not options and refusal is not None:
         raise refusal
     return options, tuple(left_out)
-
-
-def _options_of_one(number: int, session: ImagingSession) -> list[Candidate]:
-    effort.charge(OPTIONS.request)
-    found = candidates(session.request.requests[number], number, session)
-    return _within_session(found, number, session)
 
 
 def _within_session(

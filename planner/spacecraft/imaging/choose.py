@@ -35,7 +35,6 @@ from planner.planning.label_search import (
 )
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.slews import Slews
-from planner.spacecraft.table import TICK_S
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,9 +94,8 @@ class SlewGraph(NamedTuple):
 
 def choose(candidates: Sequence[Candidate], priorities: Sequence[float], slews: Slews) -> Choice:
     """The best choice for slew times that suffice, if labels last."""
-    order = _by_start(candidates)
-    imaging = _imaging([candidates[k] for k in order], priorities)
-    graph = _slew_graph([candidates[k] for k in order], imaging, slews, SUFFICIENT)
+    order = sorted(range(len(candidates)), key=lambda k: candidates[k].first_tick)
+    imaging, graph = _made_ready([candidates[k] for k in order], priorities, slews, SUFFICIENT)
     greedy = most = _greedy(imaging, graph, priorities)
     for one in _rounds(imaging, graph):
         most = max(most, _without_repeats(imaging, one.visits[:, 0].tolist()), key=itemgetter(0))
@@ -120,9 +118,8 @@ def bound_of(
     if least <= value or effort.remaining() <= 0.0:
         return least
     with effort.at_most(OPTIONS.bound_share * effort.remaining()):
-        ordered = [candidates[k] for k in _by_start(candidates)]
-        imaging = _imaging(ordered, priorities)
-        graph = _slew_graph(ordered, imaging, slews, NECESSARY)
+        ordered = sorted(candidates, key=lambda one: one.first_tick)
+        imaging, graph = _made_ready(ordered, priorities, slews, NECESSARY)
         for one in _rounds(imaging, graph, OPTIONS.bound_labels_max):
             least = min(least, label_search.bound([one]))
             if least <= value or effort.remaining() <= 0.0:
@@ -130,24 +127,18 @@ def bound_of(
     return max(least, value)
 
 
-def _by_start(candidates: Sequence[Candidate]) -> list[int]:
-    return sorted(range(len(candidates)), key=lambda k: round(candidates[k].start_s / TICK_S))
-
-
-def _imaging(ordered: Sequence[Candidate], priorities: Sequence[float]) -> Imaging:
-    return Imaging(
-        start_tick=np.array([round(c.start_s / TICK_S) for c in ordered]),
-        stop_tick=np.array([round(c.stop_s / TICK_S) for c in ordered]),
+def _made_ready(
+    ordered: Sequence[Candidate], priorities: Sequence[float], slews: Slews, sign: float
+) -> tuple[Imaging, SlewGraph]:
+    """Candidates by their start, and which can follow which by slew times as of `slew_fits`."""
+    imaging = Imaging(
+        start_tick=np.array([c.first_tick for c in ordered]),
+        stop_tick=np.array([c.arcs[-1].last_row for c in ordered]),
         request=np.array([c.request for c in ordered]),
         part=np.array([c.part for c in ordered]),
         priority=np.array([0.0 if c.part == OPENS else priorities[c.request] for c in ordered]),
         tilt_rad=np.array([c.tilt_rad for c in ordered]),
     )
-
-
-def _slew_graph(
-    ordered: Sequence[Candidate], imaging: Imaging, slews: Slews, sign: float
-) -> SlewGraph:
     entry_states = np.array([c.entry_state for c in ordered])
     exit_states = np.array([c.exit_state for c in ordered])
     before: list[Indices] = []
@@ -159,7 +150,7 @@ def _slew_graph(
         after = np.full(len(i), j)
         before.append(i[slews.fit(exit_states, entry_states, i, after, ticks[i], sign)])
     first = np.cumsum([0, *map(len, before)])
-    return SlewGraph(first, np.concatenate(before), slews.widest_ticks)
+    return imaging, SlewGraph(first, np.concatenate(before), slews.widest_ticks)
 
 
 def _rounds(

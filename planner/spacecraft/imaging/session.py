@@ -51,6 +51,15 @@ class GroundArc(PlaneArc):
         """Whole ticks that cover its scan."""
         return math.ceil(self.duration_s / TICK_S - 1e-6)
 
+    @property
+    def first_row(self) -> int:
+        """Of the table, the camera on; and so until `last_row`."""
+        return round(self.start_s / TICK_S)
+
+    @property
+    def last_row(self) -> int:
+        return self.first_row + self.ticks
+
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingSession:

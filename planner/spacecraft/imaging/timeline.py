@@ -7,6 +7,7 @@ there while there is time, and ends there.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import InfeasibleSlew, Refusal
@@ -35,18 +36,12 @@ class TimelineOptions:
 OPTIONS = TimelineOptions()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Scan:
-    """One stretch of imaging: rows first_row .. last_row scan the arc.
-
-    candidate, request: numbers of those it belongs to.
-    """
+class Scan(NamedTuple):
+    """An arc that is scanned; candidate, request: numbers of those it belongs to."""
 
     candidate: int
     request: int
     arc: GroundArc
-    first_row: int
-    last_row: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,18 +64,8 @@ class DoesNotFit(Exception):
 
 def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Scan, ...]:
     """The arcs of the chosen candidates in order of time."""
-    scans = [
-        Scan(
-            candidate=k,
-            request=candidates[k].request,
-            arc=arc,
-            first_row=round(arc.start_s / TICK_S),
-            last_row=round(arc.start_s / TICK_S) + arc.ticks,
-        )
-        for k in chosen
-        for arc in candidates[k].arcs
-    ]
-    return tuple(sorted(scans, key=lambda scan: scan.first_row))
+    scans = [Scan(k, candidates[k].request, arc) for k in chosen for arc in candidates[k].arcs]
+    return tuple(sorted(scans, key=lambda scan: scan.arc.first_row))
 
 
 def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
@@ -118,8 +103,8 @@ def _session_of(session: ImagingSession, scan: Scan) -> Session:
         target=GroundPathTarget(
             points=points, line="plane", speed_m_s=arc.length_m() / arc.duration_s
         ),
-        start=shifted_utc(session.epoch_utc, scan.first_row / ROWS_PER_S),
-        stop=shifted_utc(session.epoch_utc, scan.last_row / ROWS_PER_S),
+        start=shifted_utc(session.epoch_utc, scan.arc.first_row / ROWS_PER_S),
+        stop=shifted_utc(session.epoch_utc, scan.arc.last_row / ROWS_PER_S),
     )
 
 
@@ -150,8 +135,8 @@ def build_timeline(session: ImagingSession, scans: tuple[Scan, ...]) -> Timeline
             ImagingWindow(
                 request=session.request.requests[scan.request].name,
                 look=numbers[:k].count(scan.request),
-                first_row=scan.first_row,
-                last_row=scan.last_row,
+                first_row=scan.arc.first_row,
+                last_row=scan.arc.last_row,
             )
             for k, scan in enumerate(scans)
         ),
