@@ -70,21 +70,19 @@ DRAWN = 100  # at random by the benchmark
 PAIRS_TRIED = 200  # the best of an area, for a third look
 KEPT = 4  # products of the same windows
 DOUBTED = 0.01  # of estimates that fall short, from which on a product has a spare
-NODES = 50  # of the programme, the same on every machine; it has ended at its root
+NODES = 50  # of the programme, the same on every machine; here it ends at its root
 
 
 class Satellite(NamedTuple):
-    """pixel_rad: seen by one pixel.  half_fov_rad: across the ground track.  least_s, most_s: that
-    a look lasts."""
+    """told: of the case's file."""
 
-    id: str
+    told: dict[str, Any]
     orbit: TleOrbit
-    off_nadir_max_deg: float
     agility: Agility
-    pixel_rad: float
-    half_fov_rad: float
-    least_s: float
-    most_s: float
+
+    @property
+    def pixel_rad(self) -> float:
+        return math.radians(self.told["pixel_ifov_deg"])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -168,18 +166,9 @@ def read_case(folder: Path) -> Case:
 
 
 def _satellite(told: dict[str, Any]) -> Satellite:
-    pixel_rad = math.radians(told["pixel_ifov_deg"])
     agility = ("max_slew_velocity_deg_per_s", "max_slew_acceleration_deg_per_s2", "settling_time_s")
-    return Satellite(
-        told["id"],
-        TleOrbit(line1=told["tle_line1"], line2=told["tle_line2"]),
-        told["max_off_nadir_deg"],
-        Agility(*(told[name] for name in agility)),
-        pixel_rad,
-        0.5 * told["cross_track_pixels"] * pixel_rad,
-        told["min_obs_duration_s"],
-        told["max_obs_duration_s"],
-    )
+    orbit = TleOrbit(line1=told["tle_line1"], line2=told["tle_line2"])
+    return Satellite(told, orbit, Agility(*(told[name] for name in agility)))
 
 
 def looks_of(case: Case) -> Looks:
@@ -203,24 +192,28 @@ def _looks(case: Case, number: int) -> Looks:
                 for name, target in zip(case.ids, case.targets, strict=True)
             ),
             conditions=OpportunityConditions(
-                max_off_nadir_deg=satellite.off_nadir_max_deg - OFF_NADIR_MARGIN_DEG,
+                max_off_nadir_deg=satellite.told["max_off_nadir_deg"] - OFF_NADIR_MARGIN_DEG,
                 sun_elevation_min_deg=sun_deg,
             ),
         )
     ).windows
     first_s, last_s = np.ceil(windows.rise_s), np.floor(windows.set_s)
     r_m, v_m_s = _states(case, satellite, 0.5 * (first_s + last_s))
-    aim_m, tangent = case.r_itrf_m[windows.target], math.tan(satellite.half_fov_rad)
+    aim_m = case.r_itrf_m[windows.target]
+    tangent = math.tan(0.5 * satellite.told["cross_track_pixels"] * satellite.pixel_rad)
     # As long as it takes for the strip's ends to leave the area.
     share = np.linalg.norm(aim_m, axis=1) / np.linalg.norm(r_m, axis=1)
     width_m = (1.0 - share) * np.linalg.norm(r_m, axis=1) * tangent
     half_m = np.sqrt(np.maximum(case.radius_m[windows.target] ** 2 - width_m**2, 0.0))
     needs_s = 2.0 * half_m / (share * np.linalg.norm(v_m_s, axis=1))
-    lasts_s = np.ceil(np.clip(needs_s, satellite.least_s, math.floor(satellite.most_s)))
+    least_s, most_s = (satellite.told[f"{end}_obs_duration_s"] for end in ("min", "max"))
+    lasts_s = np.ceil(np.clip(needs_s, least_s, math.floor(most_s)))
     told = [
         (row, begin_s)
         for row in np.flatnonzero(last_s - first_s >= lasts_s).tolist()
-        for begin_s in _spread_s(first_s[row], last_s[row] - lasts_s[row])
+        for begin_s in np.unique(
+            np.rint(np.linspace(first_s[row], last_s[row] - lasts_s[row], LOOKS_A_WINDOW))
+        ).tolist()
     ]
     row = np.array([one for one, _ in told], np.intp)
     begin_s = np.array([one for _, one in told])
@@ -251,11 +244,6 @@ def _looks(case: Case, number: int) -> Looks:
         steering_deg=np.degrees(np.arctan(slopes)),
         is_covered=_covered(aim_m, case.radius_m[target], *strip_m, slant_m * tangent),
     )
-
-
-def _spread_s(first_s: float, last_s: float) -> list[float]:
-    """On whole seconds."""
-    return np.unique(np.rint(np.linspace(first_s, last_s, LOOKS_A_WINDOW))).tolist()
 
 
 def _states(case: Case, satellite: Satellite, t_s: Array) -> tuple[Array, Array]:
@@ -465,7 +453,7 @@ def actions_of(case: Case, looks: Looks, rows: Indices) -> list[dict[str, Any]]:
     return [
         {
             "type": "observation",
-            "satellite_id": case.satellites[looks.satellite[row]].id,
+            "satellite_id": case.satellites[looks.satellite[row]].told["id"],
             "target_id": case.ids[looks.target[row]],
             "start_time": utc(float(looks.begin_s[row])),
             "end_time": utc(float(looks.stop_s[row])),
