@@ -1,4 +1,4 @@
-"""What a session is told by: its requests, slews, steadiness, and how good its choice is."""
+"""A session in figures: its requests, slews, steadiness, and how good its choice is."""
 
 import math
 from typing import Annotated, Literal

@@ -3,8 +3,6 @@
 from contextlib import suppress
 from dataclasses import dataclass
 
-import numpy as np
-
 from planner.base import effort
 from planner.base.commands import CommandTable
 from planner.base.effort import WorkLimitReached, at_most
@@ -114,8 +112,8 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> I
 
     tell: is called when a stage begins, and with how many runs are flown.
     Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
-    InvalidInput for momentum beyond the sphere or a high orbit, VerificationFailed when the
-    judge objects, SearchEnded when it takes more work than such a request may make.
+    InvalidInput for a high orbit, VerificationFailed when the judge objects, SearchEnded when it
+    takes more work than such a request may make.
     """
     with at_most(_bound_work(request)):
         try:
@@ -157,7 +155,6 @@ def _is_found(request: ImagingPlanRequest) -> bool:
 
 
 def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = True) -> ImagingPlan:
-    _refuse_momentum(request)
     clock = StageClock(tell=tell)
     with clock.time("candidates"):
         session = make_session(request)
@@ -213,16 +210,3 @@ def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
     runs = min(request.simulation_runs, max(int(effort.remaining() / run), 1))
     effort.count(runs * run)
     return runs
-
-
-def _refuse_momentum(request: ImagingPlanRequest) -> None:
-    stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
-    sphere_n_m_s = request.definition().gyros.turns.momentum_max_n_m_s
-    if stored_n_m_s > sphere_n_m_s:
-        raise InvalidInput(
-            f"the gyros store {stored_n_m_s:.1f} N m s at the start, beyond the "
-            f"{sphere_n_m_s:.0f} N m s sphere they are steered in; unload at least "
-            f"{stored_n_m_s - sphere_n_m_s:.1f} N m s first",
-            field="settings.momentum_n_m_s",
-            limit="momentum",
-        )

@@ -63,12 +63,19 @@ class AgileSpacecraft:
         faster."""
         return replace(gyro_craft(self.body), sensors=Sensors())
 
+    @property
+    def _size_kg_m2(self) -> float:
+        """Momentum that is turned with the body at a rate about each axis, over that rate."""
+        return float(np.linalg.norm(np.diag(np.array(self.body.inertia_kg_m2))))
+
+    def _room_n_m_s(self, stored_n_m_s: float) -> float:
+        """For turns, in the sphere that the gyros are steered in."""
+        return self.gyros.turns.momentum_max_n_m_s - stored_n_m_s - OPTIONS.other_n_m_s
+
     def rate_deg_s(self, asked_deg_s: float, stored_n_m_s: float = 0.0) -> float:
         """As much of a rate about any axis as there is room for in the gyros."""
-        moments_kg_m2 = np.diag(np.array(self.body.inertia_kg_m2))
-        room_n_m_s = self.gyros.turns.momentum_max_n_m_s - stored_n_m_s - OPTIONS.other_n_m_s
-        room_rad_s = room_n_m_s / float(np.linalg.norm(moments_kg_m2))
-        return min(asked_deg_s, self.rate_max_deg_s / math.sqrt(3.0), math.degrees(room_rad_s))
+        room_deg_s = math.degrees(self._room_n_m_s(stored_n_m_s) / self._size_kg_m2)
+        return min(asked_deg_s, self.rate_max_deg_s / math.sqrt(3.0), room_deg_s)
 
     def platform(self, stored_n_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> BodyPlatform:
         """The body with momentum in its gyros at the start, body axes, which slows its turns.
@@ -79,10 +86,13 @@ class AgileSpacecraft:
         rate_deg_s = self.rate_deg_s(turns.rate_max_deg_s, stored)
         along, across = np.tan(np.deg2rad([self.along_max_deg, self.across_max_deg]))
         off_nadir_deg = math.degrees(math.atan(math.hypot(along, across))) + 0.5
+        least_n_m_s = math.radians(OPTIONS.rate_least_deg_s) * self._size_kg_m2
+        beyond_n_m_s = least_n_m_s - self._room_n_m_s(stored)
+        much = f"at least {beyond_n_m_s:.1f} N m s" if beyond_n_m_s > 0.0 else "momentum"
         full = InfeasibleSlew(
             f"the gyros store {stored:.1f} N m s at the start, which leaves no room "
             f"to turn in the {turns.momentum_max_n_m_s:.0f} N m s sphere they are steered in; "
-            "unload momentum first",
+            f"unload {much} first",
             field="settings.momentum_n_m_s",
             limit="momentum",
         )
