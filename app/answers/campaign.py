@@ -112,7 +112,7 @@ class CampaignPassOut:
     state: state of the work on that plan.
     start: row 0 of its table; UTC. E.g. `"2015-02-27T17:32:46.000Z"`.
     stop: last row of its table; UTC. E.g. `"2015-02-27T17:38:08.000Z"`.
-    resources: what they hold at its ends; null without any.
+    resources: levels as it starts and as it stops; null without any.
     looks: those chosen for this pass.
     left_out: looks that could not be flown; a plan without them took the place of the one that was
     refused.

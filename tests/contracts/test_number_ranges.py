@@ -216,7 +216,12 @@ def _shown(examples: dict[str, tuple[str, Document]]) -> tuple[Document, ...]:
 def _revised(start: str) -> Document:
     look = {"target": "Phoenix", "part": 1, "value": 0.5}
     times = ("pass_start", "start", "stop", "pass_stop")
-    return {"frozen_until": start, "looks": [look | dict.fromkeys(times, start)]}
+    held = {"battery_wh": [1.0, 1.0], "memory_gbit": [1.0, 1.0]}
+    held["momentum_n_m_s"] = [[0.0, 0.0, 0.0]] * 2
+    return {
+        "frozen_until": start,
+        "looks": [look | dict.fromkeys(times, start) | {"pass_resources": held}],
+    }
 
 
 @cache
