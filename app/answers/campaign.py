@@ -124,7 +124,7 @@ class CampaignPassOut:
     state: JobState
     start: str
     stop: str
-    resources: PassResources | None
+    resources: SerializeAsAny[PassResources] | None  # likewise
     looks: list[SerializeAsAny[ChosenLook]]  # as they were told and stored
     left_out: list[LookLeftOut]
     problem: Problem | None
@@ -215,7 +215,7 @@ def _pass_out(part: Job) -> CampaignPassOut:
         state=part.state,
         start=facts["start"],
         stop=facts["stop"],
-        resources=facts.get("resources") and from_store(PassResources, facts["resources"]),
+        resources=facts.get("resources"),
         looks=facts["looks"],
         left_out=[from_store(LookLeftOut, look) for look in facts["left_out"]],
         problem=job_members(part)["problem"],

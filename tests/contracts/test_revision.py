@@ -281,6 +281,36 @@ def test_files_of_a_revision_hold_what_stays_as_it_was_and_what_is_chosen_anew(s
                 assert not stay & anew
 
 
+def test_a_fleet_with_resources_is_planned_and_revised_by_the_service(service):
+    """Each pass's plan begins with what the answer tells, and stays within every limit."""
+    asked = json.loads((EXAMPLES / "campaign_fleet_resources.json").read_text())
+    with Client(service.address) as client:
+        first = client.campaign(asked)
+        lacks = {one["target"]: one["lacks"] for one in first["choice"]["left_out"]}
+        assert set(lacks.values()) & {"battery", "memory", "duty_cycle"}
+        until = max(one.stop for one in first.passes if one.start < "2015-02-27T18")
+        again = client.campaign(asked, revises=first.id, frozen_until=until)
+        assert [one["change"] for one in again["choice"]["revision"]["targets"]] == ["kept"] * 5
+        for one in (*first.passes, *again.passes):
+            request, plan = client.request(one.plan), client.get(one.plan)
+            assert plan["verification"]["passed"]
+            own = next(x for x in asked["carriers"] if x["id"] == one.carrier)
+            held = one["resources"] or {}
+            assert [*filter(held.get, held)] == [
+                {"battery": "battery_wh", "memory": "memory_gbit"}[name]
+                for name in own.get("resources", ())
+            ]
+            if "resources" in own:
+                begun = request["resources"]["battery"]["start_wh"]
+                assert begun == pytest.approx(held["battery_wh"][0])
+        [last], [was] = again.passes, first.passes[-1:]
+        assert last.number == was.number
+        assert last["resources"] is not None
+        for name in filter(was["resources"].get, was["resources"]):
+            for told, before in zip(last["resources"][name], was["resources"][name], strict=True):
+                assert told == pytest.approx(before, rel=2e-3)
+
+
 def test_lines_of_a_revision_by_a_file_hold_what_stays(tmp_path):
     """What the command writes of it is revised again."""
     asked, lines, until = json.dumps(ASKED["fleet"]), [], None
