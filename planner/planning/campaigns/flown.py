@@ -1,4 +1,4 @@
-"""What passes that stay of a campaign leave of a carrier's resources, where a revision begins."""
+"""A carrier's resources where a revision begins, after the passes that stay."""
 
 from collections.abc import Iterator
 from dataclasses import replace

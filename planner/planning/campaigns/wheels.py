@@ -97,7 +97,9 @@ class Wheels:
         most = np.array(self._momentum.capacity_n_m_s)
         return np.asarray(np.clip(self.held(flown)[1][None, [0, -1]], -most, most))
 
-    def stayed(self, start_s: float, stop_s: float, held: Sequence[Sequence[float]]) -> Turned:
+    def stayed(
+        self, start_s: float, stop_s: float, held_n_m_s: Sequence[Sequence[float]]
+    ) -> Turned:
         """A pass that is known by what the wheels held at its ends, which all torques in it made of
         each other."""
         t_s = np.array([start_s, stop_s])
@@ -105,7 +107,7 @@ class Wheels:
         states[0] = self._attitudes.begin(start_s)
         ends = self._at(t_s, Rotation.from_quat(states[:, :4]), states[:, 4:7])
         total = np.einsum(
-            "nji,nj->ni", ends.c_body_from_still, np.array(held) + ends.turning_body_n_m_s
+            "nji,nj->ni", ends.c_body_from_still, np.array(held_n_m_s) + ends.turning_body_n_m_s
         )
         rows = np.array([0, 0, 1, 1])
         torque_n_m = ends.torque_still_n_m[rows]
