@@ -31,10 +31,9 @@ TITLES = {
 
 def unkept_told(kept: KeptDirection) -> str:
     """In words, what a direction that isn't kept does."""
-    side, limit_deg = (
-        ("nearer to", kept.min_deg) if kept.near is None else ("farther from", kept.max_deg)
-    )
-    return f"{kept.name} is {side} {TITLES[kept.body]} than its {limit_deg:g} deg"
+    if kept.near is None:
+        return f"{kept.name} is nearer to {TITLES[kept.body]} than its {kept.min_deg:g} deg"
+    return f"{kept.name} is farther from {TITLES[kept.body]} than its {kept.max_deg:g} deg"
 
 
 @dataclass(frozen=True, kw_only=True)

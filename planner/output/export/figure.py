@@ -1,10 +1,12 @@
-"""The figure of a plan: angles or attitude, rates and accelerations with their limits."""
+"""The figure of a plan: attitude, rates, accelerations and resources with their limits."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from datetime import datetime
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +28,7 @@ from planner.output.export.figure_parts import (
     shown_text,
 )
 from planner.output.export.map_features import thinned
+from planner.planning.resources import ResourceCurve, resource_curves
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.plan import FlightPlan
@@ -53,7 +56,7 @@ def write_svg(plan: FlightPlan, created_utc: datetime) -> bytes:
 def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> bytes:
     """The picture as a file of the given format.
 
-    Sessions are shaded, closest approaches and limits dashed.
+    Sessions are shaded, closest approaches and limits dashed.  Resources have a panel each.
     """
     table, limits = (
         plan.table,
@@ -62,11 +65,16 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
     channels = [channel for channel in table.channels if channel.of == "position"]
     parts = tuple(channel.dof for channel in channels)
     title = plan.scenario.name or "Plan"
+    levels = {
+        name: list(curves)
+        for name, curves in groupby(resource_curves(plan), attrgetter("resource"))
+    }
     figure, panels = panels_over_time(
         (
             "angle, deg" if channels[0].unit == "degree" else "attitude, quaternion",
             "rate, deg/s",
             "acceleration, deg/s²",
+            *(f"{name}, {curves[0].unit}" for name, curves in levels.items()),
         ),
         f"{shown_text(title, TITLE_MAX)} ({shown_text(plan.scenario.platform.name, TITLE_MAX)})",
         table.epoch_utc,
@@ -75,7 +83,11 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
     )
     shade_spans(panels, _sessions(plan), "session")
     closest_s = list(_closest_approaches_s(plan))
-    for order, (panel, (t_s, value_by_row)) in enumerate(zip(panels, _motion(table), strict=True)):
+    for panel, curves in zip(panels[3:], levels.values(), strict=True):
+        _draw_levels(panel, curves)
+    for order, (panel, (t_s, value_by_row)) in enumerate(
+        zip(panels[:3], _motion(table), strict=True)
+    ):
         for value, name, colour in zip(value_by_row.T, parts, AXIS_COLOURS, strict=False):
             panel.plot(t_s, value, color=colour, linewidth=1.6, label=name)
         for number, at_s in enumerate(closest_s):
@@ -85,6 +97,16 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
         _draw_limits(panel, _in_degrees(bounds), np.abs(value_by_row).max())
     legend_below(figure, panels[0])
     return picture_file(figure, image_format, one_line(title), notes(plan, created_utc))
+
+
+def _draw_levels(panel: Axes, curves: list[ResourceCurve]) -> None:
+    """Each with its limit; of wheels about x, y and z in their axes' colours."""
+    for curve, colour in zip(curves, AXIS_COLOURS, strict=False):
+        points = thinned(len(curve.t_s), POINTS_MAX)
+        panel.plot(curve.t_s[points], curve.level[points], color=colour, linewidth=1.6)
+        limits = {curve.limit, -curve.limit} if curve.resource == "momentum" else {curve.limit}
+        for limit in limits:
+            panel.axhline(limit, color=LIMIT_COLOUR if len(curves) == 1 else colour, **DASHED)
 
 
 def _sessions(plan: FlightPlan) -> Iterator[tuple[float, float, str]]:
