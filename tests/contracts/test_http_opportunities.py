@@ -146,7 +146,7 @@ def test_reasons_end_with_the_work_for_them(monkeypatch):
     [
         ({"targets": [CITIES["targets"][0]] * 2}, "targets.1.id", "taken already"),
         ({"targets": []}, "targets", "at least one"),
-        ({"targets": [{**STAR, "id": str(n)} for n in range(5001)]}, "targets", "5000"),
+        ({"targets": [{**STAR, "id": str(n)} for n in range(10_001)]}, "targets", "10000"),
         ({"targets": [{**STAR, "id": str(n)} for n in range(50)]}, "targets", "200000"),
         ({"stop": "2015-03-31T12:00:00Z"}, "stop", "31 days"),
         ({"stop": "2015-02-27T12:00:00"}, "stop", "append Z"),

@@ -322,8 +322,8 @@ def _unchosen(
     group = candidate.wanted.group
     lacks = [
         candidates[number].wanted.id
-        for number in unseen
-        if group is not None and candidates[number].wanted.group == group
+        for number in (() if group is None else unseen)
+        if candidates[number].wanted.group == group
     ]
     what = "a look"
     if out is not None:

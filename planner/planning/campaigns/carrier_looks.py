@@ -3,7 +3,7 @@
 import functools
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
@@ -31,7 +31,7 @@ from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.scans import Scans, scans_by_pass
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.frames.time_scales import shifted_utc
-from planner.world.targets import GroundPathTarget
+from planner.world.targets import GroundPathTarget, ImagingMode
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,7 +103,16 @@ class CarrierLooks:
 
     def has_windows(self, row: int) -> bool:
         """Whether a target is in view at all, or a mode, whose scans have reasons of their own."""
-        return row in self.request.modes or bool((self.found.target == row).any())
+        is_mode = isinstance(self.request.targets[row].target, ImagingMode)
+        return is_mode or bool((self.found.target == row).any())
+
+    @functools.cached_property
+    def _numbers(self) -> Mapping[int, Sequence[int]]:
+        """Candidates by the row of their target."""
+        by_row: dict[int, list[int]] = {}
+        for number, one in enumerate(self.candidates):
+            by_row.setdefault(one.row, []).append(number)
+        return by_row
 
     def unseen(self, rows: Sequence[int]) -> tuple[Unseen, ...]:
         """Why there is no look at these targets of the request."""
@@ -119,7 +128,7 @@ class CarrierLooks:
         candidates, windows, resting = self.candidates, self.windows, self.follower.resting
         if row in self.scans.because:
             return "duration", self.scans.because[row]
-        numbers = [number for number, one in enumerate(candidates) if one.row == row]
+        numbers = self._numbers.get(row, ())
         late: dict[object, bool] = {}
         for number in numbers:
             one = candidates[number]
@@ -128,7 +137,7 @@ class CarrierLooks:
             late[flown_with] = late.get(flown_with, False) or is_too_late
         if late and all(late.values()):
             return "due", "no window long enough for a look is left from its release to its due"
-        if row in self.request.modes:
+        if isinstance(self.request.targets[row].target, ImagingMode):
             own_scans = [scan for number in numbers for scan in candidates[number].scans]
             lacking = [scan for scan in own_scans if not len(scan.begins_s)]
             if lacking:

@@ -37,14 +37,15 @@ from planner.world.targets.terrain import Terrain
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignBounds:
-    """What a campaign may ask for, so that its choice takes a minute at most."""
+    """What a campaign may ask for, whose choice then takes some minutes at most."""
 
     # grids on which observations begin: from two rows of the table on
     steps_s: tuple[float, float] = (0.4, 30.0)
     lengths: int = 3  # lengths of a look that are tried, evenly from the least to the wanted one
     # a table's 21,600 s less ten minutes for the way from rest and back
     session_max_s: float = 21_000.0
-    target_days_max: float = 7000.0  # 1,000 places for 7 days: a minute's choice
+    # 1,000 places for 20 days, or two carriers with 10,000 all over the Earth for one: 150 s
+    target_days_max: float = 20_000.0
     step_s: float = 2.0  # finer steps count more
     moving_counts: int = 100  # what is not fixed to the Earth is looked at one by one
     # longer looks make passes longer, in which more targets compete, and count more

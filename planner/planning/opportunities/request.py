@@ -28,7 +28,7 @@ class OpportunityBounds:
     """What a search for opportunities may ask for."""
 
     samples: tuple[int, int] = (2, 1000)  # a window's edges at least
-    targets_max: int = 5000  # whole catalogues of cities
+    targets_max: int = 10_000  # whole catalogues of cities, an operator's day
     days_max: float = 31.0  # elements say nothing of a month later
     # Targets times days times samples and what a window costs without any: the memory they take.
     # 1,000 places for 10 days with 5 samples: 2 s as a rule; the work itself is counted.
