@@ -69,6 +69,29 @@ def test_passes_are_planned_from_idle_to_idle_without_a_look_lost(chosen):
         np.testing.assert_allclose(down, np.linalg.norm(r_sat_eci_m, axis=1), rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("of_body", "kept"),
+    [
+        (True, {"direction_body": [1.0, 0.0, 0.0], "away_from": "sun", "min_deg": 80.0}),
+        (True, {"of": "camera", "near": "nadir", "max_deg": 25.0}),
+        (False, {"of": "camera", "away_from": "sun", "min_deg": 120.0}),
+        (False, {"of": "camera", "near": "nadir", "max_deg": 40.0}),
+    ],
+)
+def test_looks_keep_directions_and_are_planned(chosen, of_body, kept):
+    directions = {"conditions": CITIES["conditions"] | {"directions": [kept | {"name": "kept"}]}}
+    free = chosen[0] if of_body else CAMPAIGN_READER.read(json.dumps(CITIES).encode())
+    request = replace(
+        free, conditions=CAMPAIGN_READER.read(json.dumps(CITIES | directions).encode()).conditions
+    )
+    campaign, most = choose_campaign(request), choose_campaign(free).value
+    assert 0.0 < campaign.value < most
+    for number, flight in enumerate(campaign.passes):
+        plan = make_plan(scenario_of(request, flight, number))
+        assert plan.verification.passed
+        assert len(plan.scenario.sessions) >= len(flight.looks)
+
+
 @pytest.mark.parametrize("q_xyzw", [None, (0.6, 0.0, 0.8, 0.0)])
 def test_a_pass_begins_at_the_start_and_ends_by_the_stop(chosen, q_xyzw):
     """With less room about a pass than the slowest slew takes, from idle and from elsewhere."""
