@@ -25,7 +25,7 @@ from planner.world.targets.names import suggest_at_most
 
 ERRORS_SHOWN = 50
 FIELDS_MAX = 1000  # of one object, and
-OBJECTS_MAX = 20_000  # of one request: bounds on the work a hostile one can make
+OBJECTS_MAX = 50_000  # of one request, ten thousand targets have four each: against hostile ones
 VALUE_SHOWN_CHARACTERS = 80
 DIGITS_MAX = VALUE_SHOWN_CHARACTERS  # of one number
 VALUES_MAX = 500_000  # eight megabytes of `[],[],` would become 2.8 million lists, and
