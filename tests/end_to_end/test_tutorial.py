@@ -12,13 +12,17 @@ from typer.testing import CliRunner
 from app.cli import main
 
 ROOT = Path(__file__).parents[2]
-BLOCKS = re.findall(r"```console\n(.*?)```", (ROOT / "docs" / "tutorial.md").read_text(), re.DOTALL)
+TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text()
+SECTIONS = TUTORIAL.split("\n## ")
+# Its commands need none before them, and take minutes together.
+[BY_ITSELF] = [one for one in SECTIONS if one.startswith("A day on one battery")]
+IN_ORDER = "".join(one for one in SECTIONS if one is not BY_ITSELF)
 SERVICE = "http://127.0.0.1:8000"
 
 
-def commands():
+def commands(text=TUTORIAL):
     """Each with the lines shown under it."""
-    for block in BLOCKS:
+    for block in re.findall(r"```console\n(.*?)```", text, re.DOTALL):
         for part in block.split("$ slewtrack ")[1:]:
             command, *shown = part.rstrip("\n").split("\n")
             yield command, [line for line in shown if line != "..."]
@@ -41,6 +45,12 @@ def check(command, shown):
     return done.stdout
 
 
+@pytest.mark.parametrize(("command", "shown"), list(commands(BY_ITSELF)))
+def test_commands_by_themselves(command, shown, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    check(command, shown)
+
+
 def test_every_command_in_order(folder, monkeypatch):
     with live_service(folder) as service:
         monkeypatch.chdir(folder)
@@ -48,7 +58,7 @@ def test_every_command_in_order(folder, monkeypatch):
         monkeypatch.delenv("COLUMNS", raising=False)  # as in a pipe, which knows no width
         plan_id = ""
         seen = []
-        for command, shown in commands():
+        for command, shown in commands(IN_ORDER):
             seen.append(command.split()[0])
             if command == "serve":
                 continue
