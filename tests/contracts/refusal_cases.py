@@ -282,7 +282,7 @@ BY_TEXT = [
     _refused("nested", "[" * 100_000, _READ, None, "nested"),
     _refused("field twice", '{"name": "a", "name": "b"}', _READ, None, "'name'"),
     _refused("number of 5000 digits", '{"name": ' + "1" * 5000 + "}", _READ, None, "JSON"),
-    _refused("20,001 objects", json.dumps([{}] * 20_001), _READ, None, "more than 20000"),
+    _refused("50,001 objects", json.dumps([{}] * 50_001), _READ, None, "more than 50000"),
     _refused(
         "1001 fields", json.dumps({str(n): n for n in range(1001)}), _READ, None, "more than 1000"
     ),
