@@ -494,9 +494,9 @@ def actions_of(case: Case, passes: Sequence[Pass], chosen: Passes) -> list[dict[
     ]
 
 
-def main() -> None:
-    folder, *out = map(Path, sys.argv[1:] or [SMALL])
-    begun = last = time.process_time()
+def stage_clock() -> Callable[[str], None]:
+    """Tells a stage as it ends, with the processor's seconds since the one before."""
+    last = time.process_time()
 
     def tell(what: str) -> None:
         nonlocal last
@@ -504,6 +504,12 @@ def main() -> None:
         print(f"{now - last:6.1f} s  {what}")
         last = now
 
+    return tell
+
+
+def main() -> None:
+    folder, *out = map(Path, sys.argv[1:] or [SMALL])
+    begun, tell = time.process_time(), stage_clock()
     case = read_case(folder)
     tell(f"{folder.name}: {len(case.satellites)} satellites, {len(case.tasks.ids)} targets")
     chosen, passes, _, _, bound = solve(case, tell)

@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
-from aeossp import OFF_NADIR_MARGIN_DEG, Agility, slew_s
+from aeossp import OFF_NADIR_MARGIN_DEG, Agility, slew_s, stage_clock
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
 from scipy.stats import binom
@@ -389,13 +389,33 @@ def _exclude(case: Case, looks: Looks) -> Mask:
     return found
 
 
-def choose(case: Case, looks: Looks, products: Products) -> Indices:
+class Used(NamedTuple):
+    """Looks that some product takes.
+
+    rows: among all looks, (u,).  takes: which of them each product takes, (products, u).  is_out:
+    which have no slew between, (u, u).
+    """
+
+    rows: Indices
+    takes: Mask
+    is_out: Mask
+
+
+def used_by(case: Case, looks: Looks, products: Products) -> Used:
+    """Of all products."""
+    rows = np.unique(products.looks[products.looks >= 0])
+    takes = np.zeros((len(products.target), len(rows)), np.bool_)
+    product, place = np.nonzero(products.looks >= 0)
+    takes[product, np.searchsorted(rows, products.looks[product, place])] = True
+    return Used(rows, takes, _exclude(case, looks.of(rows)))
+
+
+def choose(looks: Looks, products: Products, used: Used) -> Indices:
     """Products, one an area: most areas that are likely covered, and their quality, together."""
     if not len(products.target):
         return np.empty(0, np.intp)
-    used = np.unique(products.looks[products.looks >= 0])
-    some, takes = looks.of(used), _taking(products, used)
-    is_out = _exclude(case, some) & (some.target[:, None] != some.target)
+    some, takes = looks.of(used.rows), used.takes
+    is_out = used.is_out & (some.target[:, None] != some.target)
     areas = (np.flatnonzero(products.target == one) for one in np.unique(products.target))
     rows = {one.tobytes(): one for one in areas}
     for look in np.flatnonzero(is_out.any(axis=1)).tolist():
@@ -418,20 +438,10 @@ def choose(case: Case, looks: Looks, products: Products) -> Indices:
     return np.flatnonzero(found.x > 0.5)
 
 
-def _taking(products: Products, used: Indices) -> Mask:
-    """Which of the looks used each product takes, (products, used)."""
-    takes = np.zeros((len(products.target), len(used)), np.bool_)
-    product, place = np.nonzero(products.looks >= 0)
-    takes[product, np.searchsorted(used, products.looks[product, place])] = True
-    return takes
-
-
-def with_spares(case: Case, looks: Looks, products: Products, chosen: Indices) -> Indices:
+def with_spares(case: Case, products: Products, used: Used, chosen: Indices) -> Indices:
     """Looks chosen, and where they may be judged short of common ground those of further products,
     as far as no look chosen is in the way."""
-    used = np.unique(products.looks[products.looks >= 0])
-    takes, is_out = _taking(products, used), _exclude(case, looks.of(used))
-    np.fill_diagonal(is_out, val=False)
+    takes, is_out = used.takes, used.is_out & ~np.eye(len(used.rows), dtype=np.bool_)
     held = takes[chosen].any(axis=0)
     doubt = np.ones(len(case.ids))
     doubt[products.target[chosen]] = 1.0 - products.likely[chosen]
@@ -441,7 +451,7 @@ def with_spares(case: Case, looks: Looks, products: Products, chosen: Indices) -
         if doubt[target] > DOUBTED and is_new:
             held |= own
             doubt[target] *= 1.0 - products.likely[product]
-    return used[held]
+    return used.rows[held]
 
 
 def actions_of(case: Case, looks: Looks, rows: Indices) -> list[dict[str, Any]]:
@@ -480,9 +490,10 @@ def solve(case: Case, tell: Callable[[str], None]) -> Solution:
     tell(f"{len(np.unique(looks.window))} windows, {len(looks.target)} looks")
     products = products_of(case, looks)
     tell(f"{len(products.target)} products of {len(np.unique(products.target))} areas")
-    chosen = choose(case, looks, products)
+    used = used_by(case, looks, products)
+    chosen = choose(looks, products, used)
     tell(f"{len(chosen)} areas chosen")
-    rows = with_spares(case, looks, products, chosen)
+    rows = with_spares(case, products, used, chosen)
     tell(f"{len(rows)} looks with spares")
     best = np.zeros((2, len(case.ids)))
     for bound, worth in zip(best, (products.quality, products.likely), strict=True):
@@ -496,14 +507,7 @@ def solve(case: Case, tell: Callable[[str], None]) -> Solution:
 
 def main() -> None:
     folder, *out = map(Path, sys.argv[1:] or [SMALL])
-    begun = last = time.process_time()
-
-    def tell(what: str) -> None:
-        nonlocal last
-        now = time.process_time()
-        print(f"{now - last:6.1f} s  {what}")
-        last = now
-
+    begun, tell = time.process_time(), stage_clock()
     case = read_case(folder)
     tell(f"{folder.name}: {len(case.satellites)} satellites, {len(case.ids)} areas")
     found = solve(case, tell)

@@ -31,7 +31,7 @@ from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.scans import Scans, scans_by_pass
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.frames.time_scales import shifted_utc
-from planner.world.targets import GroundPathTarget, ImagingMode
+from planner.world.targets import GroundPathTarget
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,8 +103,7 @@ class CarrierLooks:
 
     def has_windows(self, row: int) -> bool:
         """Whether a target is in view at all, or a mode, whose scans have reasons of their own."""
-        is_mode = isinstance(self.request.targets[row].target, ImagingMode)
-        return is_mode or bool((self.found.target == row).any())
+        return row in self.request.modes or bool((self.found.target == row).any())
 
     @functools.cached_property
     def _numbers(self) -> Mapping[int, Sequence[int]]:
@@ -137,7 +136,7 @@ class CarrierLooks:
             late[flown_with] = late.get(flown_with, False) or is_too_late
         if late and all(late.values()):
             return "due", "no window long enough for a look is left from its release to its due"
-        if isinstance(self.request.targets[row].target, ImagingMode):
+        if row in self.request.modes:
             own_scans = [scan for number in numbers for scan in candidates[number].scans]
             lacking = [scan for scan in own_scans if not len(scan.begins_s)]
             if lacking:

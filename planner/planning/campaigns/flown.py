@@ -17,11 +17,7 @@ from planner.planning.campaigns.stores import Curve, RestStores, Store, begun_wi
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.resources import Resources
 
-LEVELS = (
-    ("battery", "battery_wh"),
-    ("memory", "memory_gbit"),
-    ("momentum", "momentum_n_m_s"),
-)
+LEVELS = {"battery": "battery_wh", "memory": "memory_gbit", "momentum": "momentum_n_m_s"}
 
 
 def resources_left(request: CampaignRequest, anew: CampaignRequest, field: str) -> Resources | None:
@@ -79,15 +75,14 @@ def _passes(
     """Passes that stay and end after the start, when, and what each held at its ends."""
     assert request.resources is not None
     assert anew.revises is not None
-    wanted = [name for name, _ in LEVELS if getattr(request.resources, name) is not None]
     before_s = 0.0
     held_by = {(one.pass_start, one.pass_stop): one.pass_resources for one in anew.revises.looks}
     for (start, stop), held in sorted(held_by.items(), key=lambda one: one[0]):
         start_s, stop_s = (elapsed_s(at, request.start) for at in (start, stop))
         if stop_s <= 0.0 or start_s == stop_s:
             continue
-        for name, level in LEVELS:
-            if name in wanted and getattr(held, level, None) is None:
+        for name, level in LEVELS.items():
+            if getattr(request.resources, name) and getattr(held, level, None) is None:
                 raise InvalidInput(
                     f"must say pass_resources.{level} of the pass from {utc_text(start)}, which "
                     f"stays: revise a campaign that was chosen with the {name}, or let it stay no "
@@ -107,7 +102,7 @@ def _passes(
 def _stayed(store: Store, start_s: float, stop_s: float, held: PassResources) -> Curve:
     """What a pass uses of a resource that goes evenly from one level to the other; of one that
     began before the start, what is left of it."""
-    first, last = getattr(held, dict(LEVELS)[store.name])
+    first, last = getattr(held, LEVELS[store.name])
     rises = last - first if store.name == "battery" else first - last
     begin_s = max(start_s, 0.0)
     inside = (store.t_s > begin_s) & (store.t_s < stop_s)

@@ -370,7 +370,7 @@ class CampaignRequest(CarrierCommon, CampaignCommon):
         """Of the one that looks."""
         return self.platform.name
 
-    @property
+    @cached_property
     def modes(self) -> Mapping[int, ImagingMode]:
         """Targets that are imaging modes, by row."""
         return modes_by_row(wanted.target for wanted in self.targets)

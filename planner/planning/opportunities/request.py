@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from typing import Annotated
 
 from pydantic import Field
@@ -167,7 +168,7 @@ class OpportunityRequest:
         asked_deg = self.conditions.min_elevation_deg if target.images else 0.0
         return max(asked_deg, getattr(target, "min_elevation_deg", 0.0))
 
-    @property
+    @cached_property
     def modes(self) -> Mapping[int, ImagingMode]:
         """Targets that are imaging modes, by row."""
         return modes_by_row(wanted.target for wanted in self.targets)

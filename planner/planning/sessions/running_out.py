@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -142,10 +143,10 @@ _IDLE_WAYS = {
 def _no_way(levels: _PlanLevels, mover: Mover, number: int, curve: ResourceCurve) -> str:
     """In words, that none was found, since when there is none, and what else would do."""
     search = _Search(levels, mover, number, ())
-    passed_s, leave_out, around = search.passes_without_s(curve), "", search.farther()
+    passed_s, around = search.passes_without_s(curve), search.farther
     epoch_utc = levels.plan.table.epoch_utc
     until = "" if around is None else f" by {utc_text(shifted_utc(epoch_utc, around.last_s), 0)}"
-    because = ""
+    because = leave_out = ""
     if passed_s is not None:
         at = utc_text(shifted_utc(epoch_utc, passed_s), 1)
         because = f" (without it and those after it the limit is passed at {at})"
@@ -408,18 +409,18 @@ class _Search:
         """As long as asked, with the earliest later start that was found."""
         start_s, stop_s = self.uses.sessions[self.number]
         long_s = stop_s - start_s
-        around = self.farther()
+        around = self.farther
         if around is None:
             return None
-        t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
-        along = _idle_along(around, t_s)
         next_s = [one[0] for one in self.uses.sessions[self.number + 1 :]]
         until_s = next_s[0] if next_s else around.last_s
-        lacked_now = _lacks(self.curves, stop_s)
-        spare = lacked_now - self._foretold(around, t_s, along, start_s, long_s)
         starts = self._starts(around, long_s, until_s)
         if resource == "momentum":
             return self._emptier(around, starts, long_s)
+        t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
+        along = _idle_along(around, t_s)
+        lacked_now = _lacks(self.curves, stop_s)
+        spare = lacked_now - self._foretold(around, t_s, along, start_s, long_s)
         tries = 0
         for moved_s in starts:
             if np.any(self._foretold(around, t_s, along, moved_s, long_s) > -spare):
@@ -485,6 +486,7 @@ class _Search:
         ]
         return f", after the contact with {max(contacts)[1]}" if contacts else ""
 
+    @cached_property
     def farther(self) -> LightAndContacts | None:
         """As far beyond the session as the orbit is known; None: not at all."""
         stop_s = self.uses.sessions[self.number][1]
@@ -550,7 +552,7 @@ class _Search:
 
     def passes_without_s(self, curve: ResourceCurve) -> float | None:
         """When the level passes its limit without this session and those after it, if it does."""
-        around = self.farther()
+        around = self.farther
         if around is None:
             return None
         curves = self._idle_curves(around)
