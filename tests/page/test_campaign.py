@@ -47,6 +47,35 @@ def test_what_is_chosen_and_why_the_rest_is_not(open_page, campaign):
     assert violations(page) == []
 
 
+def test_hundreds_of_targets_from_a_file_are_drawn_as_one_and_chosen_by_a_click(
+    open_page, service, tmp_path
+):
+    """The command's columns, too; what is too long to be changed as JSON can be saved."""
+    rows = [f"north {n},30,ground,{84 + 0.01 * n},{0.4 * n - 150}" for n in range(500)]
+    heading = "id,session_s,target.mode,target.latitude_deg,target.longitude_deg"
+    file = tmp_path / "north.csv"
+    others = [f"{which} {one}" for which in ("again", "more") for one in rows]
+    file.write_text("\n".join([heading, *rows, *others]))
+    page = open_page("/campaigns")
+    page.get_by_label("Choose a file of targets").set_input_files(file)
+    expect(page.get_by_text("Show 1300 more")).to_be_visible()
+    expect(page.locator(".map .fate .dot")).to_have_count(1)
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save the request as JSON").click()
+    asked = json.loads(Path(saved.value.path()).read_text())
+    assert len(asked["targets"]) == 1500
+
+    seen = made(service, "/v1/campaigns", EXAMPLE | {"targets": asked["targets"][:500]})
+    page = open_page(f"/campaigns/{seen['id']}")
+    expect(page.locator(".map .fate-unseen .dot")).to_have_count(1)
+    dots = page.locator(".map .fate-unseen .dot")
+    first = dots.evaluate("e => (({x, y}) => [x, y])(e.getPointAtLength(0))")
+    corner = page.locator(".map svg").bounding_box()
+    page.mouse.click(corner["x"] + first[0] + 1, corner["y"] + first[1] + 1)
+    expect(page.locator(".map .fate-now")).to_have_count(1)
+    expect(page.locator(".fate-list .row-now")).to_contain_text("north")
+
+
 def test_a_fleet_is_shown_by_carrier_and_sought_by_name(open_page, service):
     asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
     fleet = made(service, "/v1/campaigns", asked)

@@ -26,15 +26,47 @@ test("wishes are read, and places by their names", () => {
   const text = 'id,place,priority,session_s,looks\n"Oslo, twice","Oslo, NO",3,20,2';
   const target = { mode: "place", name: "Oslo, NO" };
   expect(targetsOf(text)).toEqual([{ id: "Oslo, twice", priority: 3, session_s: 20, looks: 2, target }]);
-  const [paired] = targetsOf("id,latitude_deg,longitude_deg,group\nOslo,59.9,10.7,fjord\n");
-  expect(paired?.group).toBe("fjord");
+});
+
+test("every field of a target may be a column, and others are left alone", () => {
+  const fields = { group: "7", sensor: "infrared", release: "2015-02-27T12:00:00Z", due: "2015-02-27T21:00:00Z" };
+  const text = `id,latitude_deg,longitude_deg,population,target,${Object.keys(fields)}\n7,59.9,10.7,700000,Oslo,${Object.values(fields)}\n`;
+  expect(targetsOf(text)).toEqual([{ ...OSLO, id: "7", ...fields }]);
+  const rolled = "id,target.mode,target.name,roll.rule,roll.azimuth_deg\nVega at noon,star,Vega,azimuth,15\nany,body,Moon,,";
+  expect(targetsOf(rolled)).toEqual([
+    { id: "Vega at noon", session_s: 40, target: { mode: "star", name: "Vega" }, roll: { rule: "azimuth", azimuth_deg: 15 } },
+    { id: "any", session_s: 40, target: { mode: "body", name: "Moon" } },
+  ]);
+  const cities = targetsOf(readFileSync("../examples/cities.csv", "utf8"));
+  const target = { mode: "ground", latitude_deg: 31.22222, longitude_deg: 121.45806, height_m: 25 };
+  expect(cities[0]).toEqual({ id: "Shanghai", priority: 2.5, session_s: 30, min_session_s: 15, target });
+});
+
+test("shapes of several parts are one target, whose own fields are among its properties", () => {
+  const geometry = {
+    type: "MultiPolygon",
+    coordinates: [
+      [
+        [
+          [0, 0],
+          [1, 0],
+          [1, 1],
+          [0, 0],
+        ],
+      ],
+    ],
+  };
+  const properties = { name: "isles", due: "2015-02-27T21:00:00Z", overlap: 0.1 };
+  expect(targetsOf(JSON.stringify({ type: "Feature", geometry, properties }))).toEqual([
+    { id: "isles", due: properties.due, target: { mode: "area", overlap: 0.1, geometry } },
+  ]);
 });
 
 test.each([
   ["name,lat,lon\nOslo,59.9,10.7\nBergen,,5.3", 3, "latitude_deg"],
   ["name,lat,lon\nOslo,north,10.7", 2, "latitude_deg"],
   ["name,lat,lon", 1, "id, latitude_deg, longitude_deg"],
-  ['{"features": [{"geometry": {"type": "MultiPoint"}}]}', 1, "Point, LineString, Polygon"],
+  ['{"features": [{"geometry": {"type": "MultiPoint"}}]}', 1, "Point, LineString, MultiLineString, Polygon, MultiPolygon"],
   ['{"request": 1}', null, "targets"],
 ])("a file without targets says where: %s", (text, line, missing) => {
   expect(() => targetsOf(text)).toThrow(expect.objectContaining({ line, missing }));

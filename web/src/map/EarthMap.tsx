@@ -101,6 +101,8 @@ export function EarthMap({ label, hint, around, aroundLabel, fits, onPick, heigh
     }),
     [path, shapes],
   );
+  // A cross that moves draws nothing else anew, however much there is.
+  const drawn = useMemo(() => wide > 0 && children({ projection, path, wide }), [children, projection, path, wide]);
   const pointAt = (event: { clientX: number; clientY: number }): LonLat | null => {
     const corner = box.current?.getBoundingClientRect();
     const point = corner && projection.invert?.([event.clientX - corner.left, event.clientY - corner.top]);
@@ -163,7 +165,7 @@ export function EarthMap({ label, hint, around, aroundLabel, fits, onPick, heigh
         <path class="graticule" d={ground.graticule} />
         <path class="land" d={ground.land} />
         <path class="borders" d={ground.borders} />
-        {wide > 0 && children({ projection, path, wide })}
+        {drawn}
         {onPick && <Cross point={cross && projection(cross)} />}
       </svg>
       <div class="map-tools">

@@ -4,7 +4,7 @@ export const campaigns = {
   what: "Many targets over days: which to look at, in which pass, in what order and for how long; then a verified plan for each pass.",
   targets: "Targets",
   choose: "Choose a file of targets",
-  drop: "Drop targets here: CSV (id, latitude_deg, longitude_deg; or place; priority, session_s, min_session_s, looks, group), JSON, or GeoJSON: points, lines and polygons.",
+  drop: "Drop targets here: CSV (id, latitude_deg, longitude_deg, or place; any field of a target, such as priority, due, target.mode), JSON, or GeoJSON: points, lines and polygons.",
   noTargets: (file: string, line: number | null, missing: string) =>
     `${file}${line === null ? "" : `, line ${line}`}: ${missing} is missing or can't be read. Nothing was taken from it.`,
   name: "Name",

@@ -33,6 +33,7 @@ export const plan = {
     templatesHint: "Kept in this browser, for other days too. One of the same name is replaced.",
     noRoom: (why: string) => `The browser has no room for it: ${why}`,
     carried: "The form has no fields for these members; they are kept and sent:",
+    tooLong: (kilobytes: number) => `As JSON it has ${kilobytes} kB, too much to change here.`,
     notKept: "The request is too long for the browser to keep: a reload would lose it. Save it as a file.",
   },
   options: {

@@ -5,7 +5,7 @@ export const campaigns: Words["campaigns"] = {
   what: "Много целей за несколько суток: какие наблюдать, на каком пролёте, в каком порядке и сколько; затем проверенный план каждого пролёта.",
   targets: "Цели",
   choose: "Выбрать файл целей",
-  drop: "Перетащите сюда цели: CSV (id, latitude_deg, longitude_deg или place; priority, session_s, min_session_s, looks, group), JSON или GeoJSON: точки, линии и многоугольники.",
+  drop: "Перетащите сюда цели: CSV (id, latitude_deg, longitude_deg или place; любые поля цели: priority, due, target.mode), JSON или GeoJSON: точки, линии и многоугольники.",
   noTargets: (file, line, missing) =>
     `${file}${line === null ? "" : `, строка ${line}`}: нет или не читается ${missing}. Из файла ничего не взято.`,
   name: "Имя",

@@ -2,6 +2,7 @@
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import { placeNames } from "../../map/labels";
+import { Dots, MANY } from "../../map/Shapes";
 import { FATES, type TargetFate } from "./campaign";
 
 interface Props {
@@ -21,6 +22,7 @@ export function FateMap({ fates, chosen, onChoose, colours }: Props) {
       FATES.indexOf(a.fate) - FATES.indexOf(b.fate) ||
       b.priority - a.priority,
   );
+  const colourOf = (one: TargetFate | undefined) => colours.get(one?.looks[0]?.carrier ?? "");
   return (
     <section aria-label={text.map}>
       <EarthMap
@@ -37,27 +39,52 @@ export function FateMap({ fates, chosen, onChoose, colours }: Props) {
             drawn.map((one) => one.id),
             wide,
           );
+          const isMany = drawn.length > MANY;
           // Those that matter least first, so that the others lie over them.
-          return drawn
+          const marks = drawn
             .map((one, k) => {
               const [point, placing] = [points[k], placings[k]];
+              const isNow = one.id === chosen;
               return (
-                point && (
+                point &&
+                (!isMany || isNow || placing) && (
                   <g
                     key={one.id}
-                    class={`fate fate-${one.fate} ${one.id === chosen ? "fate-now" : ""}`}
+                    class={`fate fate-${one.fate} ${isNow ? "fate-now" : ""}`}
                     transform={`translate(${point[0]},${point[1]})`}
+                    style={{ "--dot": colourOf(one) }}
                     onPointerDown={(event) => event.stopPropagation()}
-                    onClick={() => onChoose(one.id === chosen ? null : one.id)}
+                    onClick={() => onChoose(isNow ? null : one.id)}
                   >
                     <title>{one.id}</title>
-                    <circle r={fates.length > 300 ? 3 : 5} style={{ fill: colours.get(one.looks[0]?.carrier ?? "") }} />
+                    <circle r={isMany ? 3 : 5} />
                     {placing && <text {...placing}>{one.id}</text>}
                   </g>
                 )
               );
             })
             .reverse();
+          if (!isMany) return marks;
+          const alike = new Map<string, number[]>();
+          drawn.forEach((one, k) => {
+            const look = `${one.fate} ${colourOf(one)}`;
+            const numbers = alike.get(look);
+            if (numbers) numbers.push(k);
+            else alike.set(look, [k]);
+          });
+          const dots = [...alike].map(([key, numbers]) => {
+            const [first] = numbers.map((k) => drawn[k]);
+            return (
+              <Dots
+                key={key}
+                kind={`fate fate-${first?.fate}`}
+                colour={colourOf(first)}
+                points={numbers.map((k) => points[k] ?? null)}
+                onDot={(k) => onChoose(drawn[numbers[k] ?? 0]?.id ?? null)}
+              />
+            );
+          });
+          return [...dots.reverse(), ...marks];
         }}
       </EarthMap>
       <ul class="fate-legend">

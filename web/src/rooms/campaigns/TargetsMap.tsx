@@ -7,11 +7,9 @@ import { EarthMap } from "../../map/EarthMap";
 import { placeNames } from "../../map/labels";
 import { geometryOf, type Mode, POSITIONS } from "../../map/modes";
 import type { LonLat } from "../../map/places";
-import { Drafted, Shape } from "../../map/Shapes";
+import { Dots, Drafted, MANY, Shape } from "../../map/Shapes";
 import { valueLabel } from "../../parts/fields/labels";
 import { type CampaignTarget, modeIn } from "./campaign";
-
-const MANY = 300;
 
 export type Kind = Mode | "ground";
 
@@ -44,6 +42,7 @@ export function TargetsMap({ targets, places, kinds, around, onAdd }: Props) {
     else setPositions(all);
   };
   const names = targets.map((one) => one.id);
+  const isMany = targets.length > MANY;
   return (
     <section aria-label={words.value.campaigns.map}>
       <div class="row draw-tools">
@@ -95,11 +94,13 @@ export function TargetsMap({ targets, places, kinds, around, onAdd }: Props) {
                 const mode = modeIn(target);
                 return mode && "geometry" in target && <Shape key={k} mode={mode} geometry={target.geometry} drawing={drawing} />;
               })}
+              {isMany && <Dots kind="fate fate-open" points={points.filter((_, k) => !modeIn(targets[k]?.target))} />}
               {points.map(
                 (point, k) =>
-                  point && (
+                  point &&
+                  (!isMany || placings[k]) && (
                     <g key={k} class="fate fate-open" transform={`translate(${point[0]},${point[1]})`}>
-                      {!modeIn(targets[k]?.target) && <circle r={targets.length > MANY ? 2.5 : 4.5} />}
+                      {!isMany && !modeIn(targets[k]?.target) && <circle r={4.5} />}
                       {placings[k] && <text {...placings[k]}>{names[k]}</text>}
                     </g>
                   ),

@@ -1,5 +1,6 @@
 /** Targets of a file: CSV with a heading, a JSON list, a request's, or GeoJSON. */
-import { modeOf } from "../../map/modes";
+import { FIELDS } from "../../api/fields";
+import { type Geometry, isMode, modeOf } from "../../map/modes";
 import type { CampaignTarget } from "./campaign";
 
 export const SESSION_S = 40; // of a look whose file doesn't say
@@ -13,7 +14,8 @@ const HEADINGS: Record<string, string> = {
   longitude: "longitude_deg",
   height: "height_m",
 };
-const NUMBERS = ["priority", "session_s", "min_session_s", "looks"] as const;
+const SHAPES = ["LineString", "MultiLineString", "Polygon", "MultiPolygon"];
+const MEMBERS = FIELDS.CampaignTarget ?? {};
 
 /** Which line of a file holds no target, and what is missing there. */
 export class NoTargets extends Error {
@@ -47,14 +49,15 @@ export function targetsOf(text: string): CampaignTarget[] {
 
 /** A point, or a shape as the imaging mode that its properties say, or that follows from it. */
 function ofFeature({ geometry, properties, id }: GeoJSON.Feature, index: number): CampaignTarget {
-  if (geometry?.type === "Polygon" || geometry?.type === "LineString") {
-    const { name, priority, looks, mode = modeOf(geometry), ...members } = properties ?? {};
-    const target = { mode, ...members, geometry } as CampaignTarget["target"];
-    return { id: String(name ?? id ?? `${mode} ${index + 1}`), priority, looks, target };
+  if (geometry && SHAPES.includes(geometry.type)) {
+    const { name, mode = modeOf(geometry as Geometry), ...members } = properties ?? {};
+    const among = (isOwn: boolean) => Object.fromEntries(Object.entries(members).filter(([one]) => one in MEMBERS === isOwn));
+    const target = { mode, ...among(false), geometry } as CampaignTarget["target"];
+    return { ...among(true), id: String(name ?? members.id ?? id ?? `${mode} ${index + 1}`), target };
   }
-  if (geometry?.type !== "Point") throw new NoTargets(index + 1, "Point, LineString, Polygon");
-  const [longitude_deg, latitude_deg] = geometry.coordinates;
-  return ofRow({ id, ...properties, longitude_deg, latitude_deg }, index + 1);
+  if (geometry?.type !== "Point") throw new NoTargets(index + 1, ["Point", ...SHAPES].join(", "));
+  const [longitude_deg, latitude_deg, height_m] = geometry.coordinates;
+  return ofRow({ id, ...properties, longitude_deg, latitude_deg, ...(height_m !== undefined && { height_m }) }, index + 1);
 }
 
 function ofCsv(content: string): CampaignTarget[] {
@@ -77,31 +80,53 @@ function cells(line: string, separator: string): string[] {
   return found;
 }
 
+/** Columns are a target's fields, "target.mode" and "roll.rule" too; others, such as a town's people, are left alone. */
 function ofRow(given: Record<string, unknown>, line: number): CampaignTarget {
-  const row = Object.fromEntries(Object.entries(given).map(([name, value]) => [HEADINGS[name] ?? name, value]));
+  const cells = Object.entries(given).filter(([, value]) => value !== undefined && value !== null && value !== "");
+  const row: Record<string, unknown> = Object.fromEntries(cells.map(([name, value]) => [HEADINGS[name] ?? name, value]));
   const numberOf = (name: string) => {
-    const value = row[name];
-    if (value === undefined || value === null || value === "") return undefined;
-    const number = Number(value);
-    if (!Number.isFinite(number)) throw new NoTargets(line, name);
-    return number;
+    const number = Number(row[name]);
+    if (row[name] !== undefined && !Number.isFinite(number)) throw new NoTargets(line, name);
+    return row[name] === undefined ? undefined : number;
   };
-  const [latitude_deg, longitude_deg] = [numberOf("latitude_deg"), numberOf("longitude_deg")];
-  const name = String(row.id ?? "").trim();
-  const place = String(row.place ?? "").trim();
-  const group = String(row.group ?? "").trim();
-  const asked = { session_s: SESSION_S, ...wishes(numberOf), ...(group && { group }) };
-  if (latitude_deg === undefined || longitude_deg === undefined) {
-    if (!place) throw new NoTargets(line, latitude_deg === undefined ? "latitude_deg" : "longitude_deg");
-    return { id: name || place, ...asked, target: { mode: "place", name: place } };
+  const own: Record<string, unknown> = {};
+  for (const [name, value] of Object.entries(row)) {
+    const [first = "", ...path] = name.split(".");
+    const kind = MEMBERS[first]?.shape.kind;
+    if (kind !== undefined && path.length > 0) put(own, [first, ...path], typeof value === "string" ? cellValue(value) : value);
+    else if (kind === "number") own[name] = numberOf(name);
+    else if (kind === "text" || kind === "instant") own[name] = String(value);
+    else if (kind !== undefined && typeof value === "object") own[name] = value;
   }
+  const target = (own.target ?? placeOf(row, numberOf, line)) as CampaignTarget["target"];
+  const { latitude_deg, longitude_deg, name } = target as Record<string, unknown>;
   return {
-    id: name || `${latitude_deg} ${longitude_deg}`,
-    ...asked,
-    target: { mode: "ground", latitude_deg, longitude_deg, height_m: numberOf("height_m") ?? 0 },
+    ...(!isMode(target.mode) && { session_s: SESSION_S }),
+    ...own,
+    id: String(own.id ?? name ?? `${latitude_deg} ${longitude_deg}`),
+    target,
   };
 }
 
-function wishes(numberOf: (name: string) => number | undefined): Partial<CampaignTarget> {
-  return Object.fromEntries(NUMBERS.map((name) => [name, numberOf(name)]).filter(([, value]) => value !== undefined));
+function placeOf(row: Record<string, unknown>, numberOf: (name: string) => number | undefined, line: number) {
+  const [latitude_deg, longitude_deg] = [numberOf("latitude_deg"), numberOf("longitude_deg")];
+  if (latitude_deg !== undefined && longitude_deg !== undefined)
+    return { mode: "ground", latitude_deg, longitude_deg, height_m: numberOf("height_m") ?? 0 };
+  if (row.place === undefined) throw new NoTargets(line, latitude_deg === undefined ? "latitude_deg" : "longitude_deg");
+  return { mode: "place", name: String(row.place) };
+}
+
+function put(inside: Record<string, unknown>, [first = "", ...rest]: string[], value: unknown) {
+  const within = (inside[first] ?? {}) as Record<string, unknown>;
+  if (rest.length > 0) put(within, rest, value);
+  inside[first] = rest.length > 0 ? within : value;
+}
+
+/** JSON, or else text, as the command reads a cell. */
+function cellValue(cell: string): unknown {
+  try {
+    return JSON.parse(cell);
+  } catch {
+    return cell;
+  }
 }
