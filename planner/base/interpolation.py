@@ -7,6 +7,7 @@ from functools import cache
 from itertools import permutations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
@@ -29,15 +30,12 @@ class UniformTable:
         self.step_s = step_s
         cells = len(node_value) - 1
         self.powers = np.empty((cells, NODES, node_value.shape[1]))
-        middle = NODES // 2 - 1
-        for place in range(NODES - 1):  # of a cell among its nodes
-            begin = place if place <= middle else cells - (NODES - 1) + place
-            end = cells - middle if place == middle else begin + 1
-            around = np.stack(
-                [node_value[begin - place + k : end - place + k] for k in range(NODES)]
-            )
-            powers = _vandermonde_inverses()[place] @ around.reshape(NODES, -1)
-            self.powers[begin:end] = powers.reshape(around.shape).transpose(1, 0, 2)
+        to_powers, middle = _vandermonde_inverses(), NODES // 2 - 1
+        around = sliding_window_view(node_value, NODES, axis=0).transpose(0, 2, 1)
+        np.matmul(to_powers[middle], around, out=self.powers[middle : cells - middle])
+        for place in range(middle):  # of a cell among its nodes
+            self.powers[place] = to_powers[place] @ node_value[:NODES]
+            self.powers[-1 - place] = to_powers[NODES - 2 - place] @ node_value[-NODES:]
 
     def at(self, t_s: Array) -> Array:
         """Shape (m, k) at t_s (m,)."""
