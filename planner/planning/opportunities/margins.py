@@ -6,10 +6,11 @@ from typing import NamedTuple, cast, get_args
 
 import numpy as np
 
-from planner.base.arrays import Indices
+from planner.base.arrays import Array, Indices
 from planner.base.compiled import inlined, lean
 from planner.base.vectors import (
     TURN_RAD,
+    Vector,
     angle_between,
     arcsin,
     dot,
@@ -20,6 +21,7 @@ from planner.base.vectors import (
     vector_at,
 )
 from planner.motion.pointing.reach import (
+    Arc,
     Reach,
     arcs_at,
     axes_at,
@@ -33,6 +35,7 @@ from planner.motion.pointing.reach import (
 from planner.planning.opportunities.looks import (
     CarrierTables,
     Places,
+    cells_at,
     climb,
     closeness,
     elevation,
@@ -40,7 +43,9 @@ from planner.planning.opportunities.looks import (
     look,
     place_at,
     platform_los,
+    rests_within_cells,
     sight_at,
+    sight_in,
     sun_elevation,
     to_body,
     to_sun,
@@ -96,12 +101,21 @@ class Asked(NamedTuple):
 
 
 class WindowScene(NamedTuple):
-    """The carrier, its platform's reach, what is asked, and targets."""
+    """The carrier, its platform's reach, what is asked, and targets.
+
+    arc_cosines: scratch of whoever searches this scene, (8 lanes,): both pairs of angles around an
+    instant, by pair and axis all sines, then all cosines.
+    """
 
     c: CarrierTables
     g: Reach
     q: Asked
     p: Places
+    arc_cosines: Array
+
+
+def scene_of(c: CarrierTables, g: Reach, q: Asked, p: Places) -> WindowScene:
+    return WindowScene(c, g, q, p, np.empty(8 * OPTIONS.lanes))
 
 
 _NAN = math.nan
@@ -115,6 +129,7 @@ class MotionOptions(NamedTuple):
     within_share: float = 0.995  # of each limit: plans test the motion between rows, too
     # of motion beside the braking distance: ways around a mask are harder to find
     off_mask_s: float = 0.5
+    lanes: int = 8  # instants looked at side by side, four at once; five of them count
     hidden_rad: float = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a
     # disk is 0.3
 
@@ -162,22 +177,47 @@ def asked_of(
     )
 
 
-@lean
-def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
-    """How far from its limits the motion along one pair of angles is, in shares of them."""
-    dt, sign = OPTIONS.delta_s, 1.0 - 2.0 * branch
-    far_before = before = at = after = far_after = ((0.0, 0.0), (0.0, 0.0))
-    for place in range(-2, 3):  # a loop, as code is compiled for each look
-        far_before, before, at, after = before, at, after, far_after
-        far_after = arcs_at(s.g, sight_at(s.c, s.p, n, t_s + place * dt), sign)
-    least = math.inf
+@inlined
+def _keep_arcs(s: WindowScene, lane: int, los: Vector) -> None:
+    pairs = arcs_at(s.g, los, 1.0), arcs_at(s.g, los, -1.0)
+    s.arc_cosines[lane], s.arc_cosines[OPTIONS.lanes + lane] = pairs[0][0]
+    s.arc_cosines[2 * OPTIONS.lanes + lane], s.arc_cosines[3 * OPTIONS.lanes + lane] = pairs[0][1]
+    s.arc_cosines[4 * OPTIONS.lanes + lane], s.arc_cosines[5 * OPTIONS.lanes + lane] = pairs[1][0]
+    s.arc_cosines[6 * OPTIONS.lanes + lane], s.arc_cosines[7 * OPTIONS.lanes + lane] = pairs[1][1]
+
+
+@inlined
+def _look_around(s: WindowScene, n: int, t_s: float) -> None:
+    """Both pairs of angles at five instants, into s.arc_cosines."""
+    dt = OPTIONS.delta_s
+    if rests_within_cells(s.c, s.p, t_s - 2.0 * dt, t_s + 2.0 * dt):
+        cells = cells_at(s.c, s.p, n, t_s)
+        for lane in range(OPTIONS.lanes):
+            _keep_arcs(s, lane, sight_in(s.c, cells, t_s + (lane - 2.0) * dt))
+    else:
+        for lane in range(5):
+            _keep_arcs(s, lane, sight_at(s.c, s.p, n, t_s + (lane - 2.0) * dt))
+
+
+@inlined
+def _arc(s: WindowScene, first: int, lane: int) -> Arc:
+    return s.arc_cosines[first + lane], s.arc_cosines[first + OPTIONS.lanes + lane]
+
+
+@inlined
+def _motion_margin(s: WindowScene, branch: int) -> float:
+    """How far from its limits the motion along one pair of angles is, in shares of them, by the
+    last look around."""
+    dt, least = OPTIONS.delta_s, math.inf
     for k in range(2):
-        a, b = turn_between(at[k], far_before[k]), turn_between(at[k], before[k])
-        d, e = turn_between(at[k], after[k]), turn_between(at[k], far_after[k])
+        first = (4 * branch + 2 * k) * OPTIONS.lanes
+        at = _arc(s, first, 2)
+        a, b = turn_between(at, _arc(s, first, 0)), turn_between(at, _arc(s, first, 1))
+        d, e = turn_between(at, _arc(s, first, 3)), turn_between(at, _arc(s, first, 4))
         rate, acceleration = abs(d - b) / (2.0 * dt), abs(d + b) / dt**2
         jerk = abs(e - 2.0 * d + 2.0 * b - a) / (2.0 * dt**3)
         limit = s.g.limits[k]
-        stop = off_stop(s.g, k, math.atan2(at[k][0], at[k][1])) - braking(rate, acceleration, limit)
+        stop = off_stop(s.g, k, math.atan2(at[0], at[1])) - braking(rate, acceleration, limit)
         peak = rate + acceleration**2 / (2.0 * limit[2])
         for share in (
             stop / (0.5 * (s.g.high[k] - s.g.low[k])),
@@ -189,6 +229,16 @@ def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
                 return -math.pi
             least = min(least, share)
     return least
+
+
+@lean
+def motion_margins(s: WindowScene, n: int, t_s: float) -> tuple[float, float]:
+    """Of both pairs of angles, from the same looks."""
+    _look_around(s, n, t_s)
+    before, last = 0.0, 0.0
+    for branch in range(2):  # a loop, as code is compiled for each
+        before, last = last, _motion_margin(s, branch)
+    return before, last
 
 
 @lean
@@ -257,7 +307,8 @@ def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
         high = s.q.sun_high_rad - at if s.q.sun_high_rad == s.q.sun_high_rad else TURN_RAD
         return min(low, high)
     if kind in (MOTION_0, MOTION_1):
-        return _motion_margin(s, n, t_s, kind - MOTION_0)
+        _look_around(s, n, t_s)
+        return _motion_margin(s, kind - MOTION_0)
     if kind == OFF_MASK:
         return _off_mask_margin(s, n, t_s)
     if kind in (GROUND_SAMPLE, GLINT, LIGHT):

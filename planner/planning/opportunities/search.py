@@ -13,7 +13,7 @@ from planner.base.effort import at_most
 from planner.base.errors import SearchEnded
 from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
+from planner.planning.opportunities.margins import CAUSES, NOTHING, asked_of, scene_of
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
 from planner.planning.opportunities.sights import Sight, in_sights, resting_sight, sights_of
@@ -185,7 +185,7 @@ def edges_of(numbers: Indices, spans: Spans, held_s: Array) -> WindowEdges:
 
 def highest(sight: Sight, reach: Reach, which: Indices) -> Array:
     """When targets stand highest over all the carrier's time, and at what elevation, (n, 2)."""
-    return highest_over(WindowScene(sight.carrier.tables, reach, NOTHING, sight.places), which)
+    return highest_over(scene_of(sight.carrier.tables, reach, NOTHING, sight.places), which)
 
 
 def found_spans(
@@ -207,7 +207,7 @@ def found_spans(
         asked = asked_of(
             conditions, lookout.causes, not sight.on_earth, across_rad, request.pixel_rad
         )
-        scene = WindowScene(carrier.tables, lookout.reach, asked, sight.places)
+        scene = scene_of(carrier.tables, lookout.reach, asked, sight.places)
         shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)
         found = sweep(scene, carrier.rows, shortest_s, effort.remaining() / OPTIONS.look_rows)
         _count(found.looks)
@@ -242,7 +242,7 @@ def describe_windows(
     effort.charge((OPTIONS.window_rows + OPTIONS.sample_rows * request.samples) * count)
     edge_s = np.stack([edges.rise_s, edges.set_s], axis=1)
     reach = lookout_of(request.platform, request.attitude).reach
-    scene = WindowScene(sight.carrier.tables, reach, NOTHING, sight.places)
+    scene = scene_of(sight.carrier.tables, reach, NOTHING, sight.places)
     told = tell(scene, which, edge_s, request.samples)
     seen = _sightings(told.seen_parameters, request.pixel_rad, sight.on_earth)
     at_s = np.insert(edge_s, 1, told.highest_parameters[:, 0], axis=1)

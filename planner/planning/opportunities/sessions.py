@@ -22,9 +22,16 @@ from planner.planning.opportunities.margins import (
     OFF_PLANE,
     WindowScene,
     margin,
+    motion_margins,
 )
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
-from planner.planning.opportunities.sweep import Found, nodes_over, stretches, turning_of
+from planner.planning.opportunities.sweep import (
+    Found,
+    nodes_over,
+    stretches,
+    stretches_by,
+    turning_of,
+)
 
 
 class SessionOptions(NamedTuple):
@@ -125,8 +132,11 @@ def _longest(s: WindowScene, n: int, a: float, b: float) -> tuple[float, float, 
     held_a, held_b, longest = math.nan, math.nan, -1.0
     t_s = nodes_over(s.c, s.p, n, a, b, s.c.step_s, SWEEP.turn_rad)
     t_s = _with_keyholes(s, n, t_s)
+    f = np.empty((2, len(t_s)))
+    for k in range(len(t_s)):
+        f[0, k], f[1, k] = motion_margins(s, n, t_s[k])
     for branch in range(2):
-        parts = stretches(s, MOTION_0 + branch, n, t_s)
+        parts = stretches_by(s, MOTION_0 + branch, n, t_s, f[branch])
         for m in range(len(parts)):
             begins, ends = parts[m, 0], parts[m, 1]
             if is_wide:

@@ -411,19 +411,25 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array) -> Array:
     A stretch or gap is missed only where the margin turns twice between two nodes, or by far more
     than it changes from node to node.
     """
-    count = len(t_s)
-    f = np.empty(count)
-    for k in range(count):
+    f = np.empty(len(t_s))
+    for k in range(len(t_s)):
         f[k] = margin(s, kind, n, t_s[k], 0.0)
+    return stretches_by(s, kind, n, t_s, f)
+
+
+@nested
+def stretches_by(s: WindowScene, kind: int, n: int, t_s: Array, margin_by_node: Array) -> Array:
+    """The same by the margin on the nodes."""
+    count = len(t_s)
     edges_s, found = np.empty(4 * count + 2), 0
-    if f[0] > 0.0:
+    if margin_by_node[0] > 0.0:
         edges_s[0], found = t_s[0], 1
-    t1, f1 = t_s[0], f[0]
+    t1, f1 = t_s[0], margin_by_node[0]
     for k in range(count):
-        extra_s, extra = _hidden_turn(s, kind, n, t_s, f, k)
+        extra_s, extra = _hidden_turn(s, kind, n, t_s, margin_by_node, k)
         for t2, f2 in (
             (extra_s if extra_s <= t_s[k] else math.nan, extra),
-            (t_s[k], f[k]),
+            (t_s[k], margin_by_node[k]),
             (extra_s if extra_s > t_s[k] else math.nan, extra),
         ):
             if t2 != t2:
@@ -440,25 +446,25 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array) -> Array:
 
 
 @lean
-def _is_lively(
+def _ease_of_axis(
     limit: Vector, travel_rad: float, t_s: Array, off_middle_rad: Array, axis: int
-) -> bool:
-    """Whether an axis comes near to a limit of its motion from node to node, passes its stops, or
-    may turn so far that no number of turns holds all of it.
+) -> int:
+    """2 where an axis stays far from the limits of its motion from node to node, and some number of
+    turns holds all of it; 1 where it moves only so far that no stop is met between nodes; else 0.
 
     off_middle_rad: (n, 2), in [-pi, pi] from mid-travel.
     """
-    rate_before, acceleration_before, turned_rad = 0.0, 0.0, 0.0
+    rate_before, acceleration_before, turned_rad, ease = 0.0, 0.0, 0.0, 2
     for k in range(len(t_s) - 1):
         moved = off_middle_rad[k + 1, axis] - off_middle_rad[k, axis]
-        if travel_rad <= TURN_RAD and abs(moved) > math.pi:
-            return True
         change = wrapped(moved)
+        if abs(change) > OPTIONS.plain_turn_rad or (travel_rad <= TURN_RAD and change != moved):
+            return 0
         turned_rad += abs(change)
         step = max(t_s[k + 1] - t_s[k], 1e-3)
         rate = change / step
-        if abs(change) > OPTIONS.plain_turn_rad or abs(rate) > OPTIONS.plain_share * limit[0]:
-            return True
+        if abs(rate) > OPTIONS.plain_share * limit[0]:
+            ease = 1
         if k > 0:
             step_before = max(t_s[k] - t_s[k - 1], 1e-3)
             acceleration = (rate - rate_before) / max(step, step_before)
@@ -468,40 +474,43 @@ def _is_lively(
                 abs(acceleration) > OPTIONS.plain_share * limit[1]
                 or abs(jerk) > OPTIONS.plain_share * limit[2]
             ):
-                return True
+                ease = 1
             acceleration_before = acceleration
         rate_before = rate
-    return travel_rad > TURN_RAD and turned_rad > travel_rad - TURN_RAD
+    return 1 if travel_rad > TURN_RAD and turned_rad > travel_rad - TURN_RAD else ease
 
 
 @nested
-def _is_plain(s: WindowScene, n: int, t_s: Array) -> bool:
-    """Whether one pair of angles, looked at at t_s, follows a target far from all limits."""
+def _ease(s: WindowScene, n: int, t_s: Array) -> int:
+    """2 where one pair of angles, looked at at t_s, follows a target far from all limits; 1 where
+    one stays clear of the stops; else 0."""
     stop_rad = OPTIONS.plain_stop_rad + max(
         braking(OPTIONS.plain_share * s.g.limits[0][0], 0.0, s.g.limits[0]),
         braking(OPTIONS.plain_share * s.g.limits[1][0], 0.0, s.g.limits[1]),
     )
-    off_middle_rad = np.empty((len(t_s), 2))
+    off_middle_rad, best = np.empty((len(t_s), 2)), 0
     one, two = axes_at(s.g, platform_los(s.c, s.p, n, t_s[len(t_s) // 2]))
     better = 1.0 if off_stops(s.g, one) > off_stops(s.g, two) else -1.0
     for side in (better, -better):
-        plain = True
+        ease = 2
         for k in range(len(t_s)):
             pair = pair_at(s.g, sight_at(s.c, s.p, n, t_s[k]), side)
             for axis in range(2):
                 off_rad = wrapped(pair[axis] - 0.5 * (s.g.low[axis] + s.g.high[axis]))
                 off_middle_rad[k, axis] = off_rad
-                plain = plain and 0.5 * (s.g.high[axis] - s.g.low[axis]) - abs(off_rad) >= stop_rad
-            if not plain:
+                if not 0.5 * (s.g.high[axis] - s.g.low[axis]) - abs(off_rad) >= stop_rad:
+                    ease = 0
+            if ease == 0:
                 break
         for axis in range(2):
-            travel_rad = s.g.high[axis] - s.g.low[axis]
-            plain = plain and not _is_lively(
-                s.g.limits[axis], travel_rad, t_s, off_middle_rad, axis
-            )
-        if plain:
-            return True
-    return False
+            if ease > 0:
+                travel_rad = s.g.high[axis] - s.g.low[axis]
+                axis_ease = _ease_of_axis(s.g.limits[axis], travel_rad, t_s, off_middle_rad, axis)
+                ease = min(ease, axis_ease)
+        best = max(best, ease)
+        if best == 2:
+            break
+    return best
 
 
 @nested
@@ -530,13 +539,13 @@ def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tupl
     """Where a condition holds, too, and looks; rows (k, 5) are as of `found_of`, but target."""
     left, count, looks = np.empty((2 * len(span_parameters) + 8, 5)), 0, 0
     for span in span_parameters:
-        found, is_plain = span[:2].copy().reshape(1, 2), False
+        found, ease = span[:2].copy().reshape(1, 2), 0
         if kind == REACH:
             turn_rad = OPTIONS.plain_node_rad
             t_s = nodes_over(s.c, s.p, n, span[0], span[1], s.c.step_s, turn_rad)
-            is_plain = _is_plain(s, n, t_s)
+            ease = _ease(s, n, t_s)
             looks += len(t_s)
-        if not is_plain:
+        if ease == 0:
             t_s = _nodes_for(s, kind, n, span[0], span[1])
             found = stretches(s, kind, n, t_s)
             looks += len(t_s) + 12 * len(found)
@@ -548,7 +557,7 @@ def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tupl
                 row[end], row[2 + end] = found[m, end], span[2 + end]
                 if found[m, end] != span[end]:
                     row[2 + end], is_whole = kind, False
-            row[4] = 1.0 if is_plain else span[4] if is_whole else 0.0
+            row[4] = 1.0 if ease == 2 else span[4] if is_whole else 0.0
             count += 1
     return left[:count].copy(), looks
 

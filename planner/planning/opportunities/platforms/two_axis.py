@@ -11,7 +11,7 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 from planner.motion.pointing.reach import reach_of
-from planner.planning.opportunities.margins import KEPT, NOTHING, WindowScene
+from planner.planning.opportunities.margins import KEPT, NOTHING, WindowScene, scene_of
 from planner.planning.opportunities.platforms.lookout import HeldScans, Narrowing, kept_before
 from planner.planning.opportunities.request import OpportunityConditions
 from planner.planning.opportunities.sessions import hold, hold_line
@@ -80,7 +80,7 @@ class TwoAxisLookout:
         return (found, *hold(scene, found, looks_limit))
 
     def held_scans(self, sight: Sight, begins_s: Array, duration_s: float) -> HeldScans:
-        scene = WindowScene(sight.carrier.tables, self.reach, NOTHING, sight.places)
+        scene = scene_of(sight.carrier.tables, self.reach, NOTHING, sight.places)
         held = hold_line(scene, begins_s, duration_s)
         within = np.ones(len(held), np.bool_)
         if sight.images and self.platform.directions:
