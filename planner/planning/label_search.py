@@ -56,8 +56,6 @@ class LabelMemory(NamedTuple):
     word, bit: of each item, 0 for those forgotten at once, (items,); visit_mask: the bits that
     outlast a visit to it, (items, w).  tick_mask: bits that mean something then, (ticks, w).
     every, none: of the bits, (w,).
-    once: labels look back at the whole path instead, and only the best at a place is kept: no
-    item is visited twice, but a better path may be missed.
     """
 
     word: Indices
@@ -66,7 +64,6 @@ class LabelMemory(NamedTuple):
     tick_mask: Indices
     every: Indices
     none: Indices
-    once: bool
 
 
 class Visit(NamedTuple):
@@ -116,12 +113,7 @@ class Round(NamedTuple):
 Sweep = Callable[[LabelMemory], Round]
 
 
-def forgetful(items: int, ticks: int, *, once: bool) -> LabelMemory:
-    """No item is remembered."""
-    return _memory(np.full(items, NONE), np.zeros((items, 1), np.int64), ticks, once=once)
-
-
-def _memory(number: Indices, visit_mask: Indices, ticks: int, *, once: bool) -> LabelMemory:
+def _memory(number: Indices, visit_mask: Indices, ticks: int) -> LabelMemory:
     """number: of each item's bit, NONE; no bit means anything at any tick yet."""
     words = visit_mask.shape[1]
     return LabelMemory(
@@ -131,7 +123,6 @@ def _memory(number: Indices, visit_mask: Indices, ticks: int, *, once: bool) -> 
         tick_mask=np.zeros((ticks, words), np.int64),
         every=np.full(words, -1),
         none=np.zeros(words, np.int64),
-        once=once,
     )
 
 
@@ -165,7 +156,7 @@ class Repeats:
     def memory(self) -> LabelMemory:
         numbers = np.full(len(self._visit_mask), NONE)
         numbers[list(self._number)] = list(self._number.values())
-        memory = _memory(numbers, self._visit_mask.copy(), int(self._last.max()) + 1, once=False)
+        memory = _memory(numbers, self._visit_mask.copy(), int(self._last.max()) + 1)
         for item in self._number:
             seen = slice(self._first[item], self._last[item] + 1)
             memory.tick_mask[seen, memory.word[item]] |= memory.bit[item]
@@ -261,23 +252,13 @@ def _remember(labels: Labels, k: int, memory: LabelMemory, made: Visit) -> bool:
 
 
 @inlined
-def _is_dominated(labels: Labels, k: int, value: float, once: bool) -> bool:
+def _is_dominated(labels: Labels, k: int, value: float) -> bool:
     """Whether one of the labels at a place, from k on, is at least as good as the new one."""
-    least, new = value - ROUNDING if once else value, len(labels.bits) - 1
+    new = len(labels.bits) - 1
     while k != NONE:
-        if labels.label[k].value >= least and _is_as_free(labels.bits, k, new):
+        if labels.label[k].value >= value and _is_as_free(labels.bits, k, new):
             return True
         k = labels.label[k].next
-    return False
-
-
-@inlined
-def _is_behind(label: NDArray[np.void], last: int, item: int) -> bool:
-    """Whether a item was visited by the last visit or one before it."""
-    while last != NONE:
-        if label[last].item == item:
-            return True
-        last = label[last].before
     return False
 
 
@@ -346,7 +327,7 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, vis
                 bits[new, 0, word] = bits[k, 0, word] & mask[word]
                 bits[new, 1, word] = bits[k, 1, word] & mask[word]
             for to in places:
-                if to != NONE and not _is_dominated(labels, first[to], here.value, False):
+                if to != NONE and not _is_dominated(labels, first[to], here.value):
                     _keep(labels, to, here.value, here.last)
         k = here.next
 
@@ -354,7 +335,7 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, vis
 @compiled
 def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
-    first, label, once = labels.first, labels.label, memory.once
+    first, label = labels.first, labels.label
     is_any = False
     for begin in begins:
         k = first[begin]
@@ -363,9 +344,7 @@ def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, m
             value = here.value + made.value
             allowed = _remember(labels, k, memory, made)
             k = here.next
-            if not allowed or _is_dominated(labels, first[to], value, once):
-                continue
-            if once and _is_behind(label, here.last, made.item):
+            if not allowed or _is_dominated(labels, first[to], value):
                 continue
             new = _keep(labels, to, value, NONE)
             if new != NONE:

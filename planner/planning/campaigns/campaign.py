@@ -1,6 +1,7 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
@@ -277,16 +278,27 @@ def _unseen(joined: Joined, known: Set[str]) -> tuple[Unseen, ...]:
         in_view = [one for one, row in own.items() if joined.carriers[one].has_windows(row)]
         for carrier in set(own).difference(in_view) if in_view else ():
             del own[carrier]
-    nearest: dict[str, Unseen] = {}
+    nearest = _nearest(joined, rows)
+    told: dict[str, Unseen] = {}
     for carrier, looks in joined.carriers.items():
-        for one in looks.unseen([own[carrier] for own in rows.values() if carrier in own]):
-            before = nearest.get(one.target)
-            if before is None or one.best_elevation_rad > before.best_elevation_rad:
-                told = (
-                    one if len(joined.carriers) == 1 else UnseenByAll(**vars(one), carrier=carrier)
-                )
-                nearest[one.target] = told
-    return tuple(nearest[one] for one in rows)
+        own_rows = [rows[one][carrier] for one, other in nearest.items() if other == carrier]
+        for one in looks.unseen(own_rows):
+            by_all = len(joined.carriers) > 1
+            told[one.target] = UnseenByAll(**vars(one), carrier=carrier) if by_all else one
+    return tuple(told[one] for one in rows)
+
+
+def _nearest(joined: Joined, rows: Mapping[str, Mapping[str, int]]) -> Mapping[str, str]:
+    """Of each target the carrier that stands highest in its sky, of those with a row for it."""
+    nearest = {one: next(iter(own)) for one, own in rows.items()}
+    best_rad = dict.fromkeys(rows, -math.inf)
+    for carrier, looks in joined.carriers.items():
+        targets = [one for one, own in rows.items() if carrier in own]
+        highest_rad = looks.highest_rad([rows[one][carrier] for one in targets])
+        for one, high_rad in zip(targets, highest_rad, strict=True):
+            if high_rad > best_rad[one]:
+                best_rad[one], nearest[one] = high_rad, carrier
+    return nearest
 
 
 def _left_out(

@@ -2,9 +2,7 @@
 
 import functools
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
 from typing import NamedTuple
@@ -12,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices
+from planner.base.at_once import done_at_once
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.candidates import LookCandidate, candidates_of, scan_roll
-from planner.planning.campaigns.choice import FirstUnheld
 from planner.planning.campaigns.gaps import Gaps
 from planner.planning.campaigns.network import Network, Rests, Slewing, network_of, relax
 from planner.planning.campaigns.passes import SESSIONS_MAX, Looks, in_passes, longest_pass_s
@@ -29,7 +27,7 @@ from planner.planning.opportunities import Windows, opportunities_however_many
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.scans import Scans, scans_by_pass
-from planner.planning.opportunities.unseen import unseen_because
+from planner.planning.opportunities.unseen import highest_of, unseen_because
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.targets import GroundPathTarget
 
@@ -74,20 +72,15 @@ class CarrierLooks:
 
     def relaxed(self) -> list[Network]:
         """The networks at slew times that nothing can beat."""
-        with as_many_threads_as_cores() as threads:
-            return [
-                self.gaps.keep(one, self.shortest)
-                for one in threads.map(
-                    lambda one: relax(one, self.ways, self.shortest, self.slewing), self.networks
-                )
-            ]
+        return [
+            self.gaps.keep(one, self.shortest)
+            for one in done_at_once(
+                lambda one: relax(one, self.ways, self.shortest, self.slewing), self.networks
+            )
+        ]
 
-    @functools.cached_property
-    def first_unheld(self) -> FirstUnheld:
-        """Of looks at its candidates by its ways."""
-        return functools.cache(self._first_unheld)
-
-    def _first_unheld(self, looks: tuple[Look, ...]) -> tuple[int, int] | None:
+    def first_unheld(self, looks: tuple[Look, ...]) -> tuple[int, int] | None:
+        """Of looks at its candidates by its ways, as `FirstUnheld`."""
         step_s, ways = self.request.step_s, self.ways
         followed = []
         for look in looks:
@@ -103,7 +96,12 @@ class CarrierLooks:
 
     def has_windows(self, row: int) -> bool:
         """Whether a target is in view at all, or a mode, whose scans have reasons of their own."""
-        return row in self.request.modes or bool((self.found.target == row).any())
+        return row in self.request.modes or row in self._in_view
+
+    @functools.cached_property
+    def _in_view(self) -> frozenset[int]:
+        """Rows of targets with windows."""
+        return frozenset(self.found.target.tolist())
 
     @functools.cached_property
     def _numbers(self) -> Mapping[int, Sequence[int]]:
@@ -112,6 +110,13 @@ class CarrierLooks:
         for number, one in enumerate(self.candidates):
             by_row.setdefault(one.row, []).append(number)
         return by_row
+
+    def highest_rad(self, rows: Sequence[int]) -> Sequence[float]:
+        """The greatest elevation of these targets of the request."""
+        if not rows:
+            return ()
+        best_rad, _ = highest_of(self.request.opportunities(), self.carrier, np.array(rows))
+        return tuple(best_rad.tolist())
 
     def unseen(self, rows: Sequence[int]) -> tuple[Unseen, ...]:
         """Why there is no look at these targets of the request."""
@@ -258,9 +263,13 @@ def _windows_of(
     """Of targets as found, of scans from the first begin, and settling before it, to the last
     one's end; all from release, and settling before it, to due."""
     parts, longest_s = [], np.zeros(len(candidates))
+    by_target = np.argsort(found.target, kind="stable")
+    edges_s = np.stack([found.rise_s, found.set_s], axis=1)[by_target]
+    rows = [one.row for one in candidates]
+    begins = np.searchsorted(found.target[by_target], rows, "left")
+    ends = np.searchsorted(found.target[by_target], rows, "right")
     for number, one in enumerate(candidates):
-        own = found.target == one.row
-        spans_s = np.stack([found.rise_s[own], found.set_s[own]], axis=1)
+        spans_s = edges_s[begins[number] : ends[number]]
         if one.scans:
             begins_s = np.concatenate([scan.begins_s for scan in one.scans])
             spans_s = begins_s + np.array([-settle_s, one.lengths_s[0]])
@@ -334,13 +343,7 @@ def _build_networks(
         return gaps.keep(network_of(ways, rows, shortest, slewing), shortest)
 
     networks: list[Network] = []
-    with as_many_threads_as_cores() as threads:
-        for one in threads.map(build_network, numbers.tolist()):
-            tell("slews", len(networks), len(numbers))
-            networks.append(one)
+    for one in done_at_once(build_network, numbers.tolist()):
+        tell("slews", len(networks), len(numbers))
+        networks.append(one)
     return networks
-
-
-def as_many_threads_as_cores() -> ThreadPoolExecutor:
-    """The number of cores: slew times are compiled, free of the interpreter's lock."""
-    return ThreadPoolExecutor(os.cpu_count())

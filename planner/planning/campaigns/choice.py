@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
+from planner.base.at_once import done_at_once
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network, without_look
 from planner.planning.campaigns.orders import most_worth, ordered_path
@@ -154,8 +156,15 @@ class Looking:
         settle_steps = int(self.settle_steps[network])
         if not settle_steps:
             return worth
-        steps = np.where(worth.steps > 0, worth.steps + settle_steps, 0)
-        return worth._replace(steps=steps, settle_steps=settle_steps)
+        if settle_steps not in self._settled_steps:
+            steps = np.where(self.length_steps > 0, self.length_steps + settle_steps, 0)
+            self._settled_steps[settle_steps] = steps
+        return worth._replace(steps=self._settled_steps[settle_steps], settle_steps=settle_steps)
+
+    @cached_property
+    def _settled_steps(self) -> dict[int, Indices]:
+        """length_steps with so many more, by how many."""
+        return {}
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many observations each target gets, (targets,)."""
@@ -457,7 +466,8 @@ class Search:
     def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
         worth = self._looking.less_prices(price)
-        answers = [self._priced_path(number, worth) for number in range(len(self._networks))]
+        numbers = range(len(self._networks))
+        answers = [*done_at_once(lambda number: self._priced_path(number, worth), numbers)]
         passes = [path.looks for _, path in answers]
         lagrangian = float(self._looking.allowed(price) @ price)
         lagrangian += sum(most for most, _ in answers)
@@ -671,8 +681,11 @@ def bound_at(
     worth = looking.less_prices(price)
     priced = float(looking.allowed(price) @ price) + room_value
     rents = rent_costs or [0.0] * len(networks)
-    for number, (one, rent) in enumerate(zip(networks, rents, strict=True)):
-        settled = looking.settled(worth, number)
-        most = bounded_path(one, settled, labels_max)[0], most_worth(one, settled, orders_max)
-        priced += max(min(most) - rent, 0.0)
+
+    def most(number: int) -> float:
+        one, settled = networks[number], looking.settled(worth, number)
+        return min(bounded_path(one, settled, labels_max)[0], most_worth(one, settled, orders_max))
+
+    for value, rent in zip(done_at_once(most, range(len(networks))), rents, strict=True):
+        priced += max(value - rent, 0.0)
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.planning.campaigns.candidates import LookCandidate
 from planner.planning.campaigns.carrier_looks import CarrierLooks
-from planner.planning.campaigns.choice import Looking
+from planner.planning.campaigns.choice import FirstUnheld, Looking
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.request import BOUNDS
@@ -72,14 +72,18 @@ class Joined:
         """Of the carrier whose pass it is."""
         return tuple(self.carriers)[self.order[network][0]]
 
-    def first_unheld(self, looks: tuple[Look, ...]) -> tuple[int, int] | None:
+    @cached_property
+    def first_unheld(self) -> FirstUnheld:
         """Of looks of one pass."""
+        return cache(self._first_unheld)
+
+    def _first_unheld(self, looks: tuple[Look, ...]) -> tuple[int, int] | None:
         if not looks:
             return None
         number = int(np.searchsorted(self.first_way, looks[0].way, side="right")) - 1
         own_number = self._own_numbers[number]
         own = (
-            replace(one, target=own_number[one.target], way=one.way - int(self.first_way[number]))
+            one._replace(target=own_number[one.target], way=one.way - int(self.first_way[number]))
             for one in looks
         )
         return self.looks_by_carrier[number].first_unheld(tuple(own))

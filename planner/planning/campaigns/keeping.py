@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner.base.arrays import Array, Indices
+from planner.base.at_once import done_at_once
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.choice import (
     OPTIONS,
@@ -197,8 +198,10 @@ class _KeepingSearch(Search):
         dear, rents, room_value = self._keeping.priced(self._free, rows, row_price)
         worth = self._looking.less_prices(price)
         lagrangian = float(self._looking.allowed(price) @ price) + room_value
-        for number, (network, rent) in enumerate(zip(dear, rents, strict=True)):
-            path = self._at(number, network.cost, worth)
+        paths = done_at_once(
+            lambda number: self._at(number, dear[number].cost, worth), range(len(dear))
+        )
+        for number, (path, rent) in enumerate(zip(paths, rents, strict=True)):
             lagrangian += max(path.value - rent, 0.0)
             if path.looks:
                 self._proposed.pop((number, path.looks), None)  # the latest come last

@@ -9,8 +9,9 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
 from planner.planning import label_search
-from planner.planning.campaigns.network import Network
+from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.label_search import (
+    NONE,
     ROUNDING,
     WHOLE,
     LabelMemory,
@@ -20,7 +21,6 @@ from planner.planning.label_search import (
     Visit,
     best,
     follow,
-    forgetful,
     no_labels,
     rounds,
     visit,
@@ -29,8 +29,7 @@ from planner.planning.label_search import (
 NOT_HELD: Indices = np.zeros((0, 0), np.intp)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Look:
+class Look(NamedTuple):
     """A target looked at: by which way (row in `Ways`), from which step on the grid.
 
     length: which of the target's lengths.  value: without a price.
@@ -69,8 +68,8 @@ class Worth(NamedTuple):
 
 def best_path(network: Network, worth: Worth) -> Path:
     """A path that looks at no target twice, though a better one may be missed."""
-    memory = forgetful(len(worth.price), network.stop_step, once=True)
-    return _path_of(network, worth, Round(*_sweep(network, worth, memory)))
+    value, visits = _sweep_once(network, worth)
+    return _path_of(network, worth, value, visits)
 
 
 def exact_path(network: Network, worth: Worth, labels_max: int, kept: Sequence[int]) -> Path | None:
@@ -86,12 +85,15 @@ def exact_path(network: Network, worth: Worth, labels_max: int, kept: Sequence[i
     if not found.is_complete:
         return None
     targets = found.visits[:, 1]
-    return _path_of(network, worth, found) if len(np.unique(targets)) == len(targets) else None
+    if len(np.unique(targets)) < len(targets):
+        return None
+    return _path_of(network, worth, found.value, found.visits)
 
 
-def _path_of(network: Network, worth: Worth, found: Round) -> Path:
+def _path_of(network: Network, worth: Worth, value: float, visits: Indices) -> Path:
+    """visits: as of `Round`."""
     looks = []
-    for number, target in found.visits.tolist():
+    for number, target in visits.tolist():
         cell, length = divmod(number, worth.value.shape[1])
         way = int(np.searchsorted(network.offset, cell, side="right")) - 1
         takes = int(worth.steps[target, length])
@@ -105,7 +107,7 @@ def _path_of(network: Network, worth: Worth, found: Round) -> Path:
                 value=look_worth(network, worth, cell, target, length),
             )
         )
-    return Path(value=found.value, looks=tuple(looks))
+    return Path(value=value, looks=tuple(looks))
 
 
 def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float, Path]:
@@ -122,7 +124,7 @@ def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float
             break
         targets = found.visits[:, 1]
         if found.value > known.value and len(np.unique(targets)) == len(targets):
-            known = _path_of(network, worth, found)
+            known = _path_of(network, worth, found.value, found.visits)
     return least, known
 
 
@@ -163,6 +165,119 @@ def _look_until(
             look = Visit(cell * lengths + length, target, WHOLE, value, step)
             is_seen |= visit(labels, (cell - takes,), cell + network.size, memory, look)
     return is_seen
+
+
+class _Reached(NamedTuple):
+    """The best known at each place of `_sweep`: worth, and the cell where its last look ended.
+
+    number, target, before: of the look that ends at each cell, and the cell where the one before it
+    ended.  NONE is no cell.
+    """
+
+    value: Array
+    last: Indices
+    number: Indices
+    target: Indices
+    before: Indices
+
+
+@compiled
+def _come(reached: _Reached, begin: int, to: int) -> None:
+    """To another place with nothing done on the way, where that is better."""
+    if reached.value[begin] > reached.value[to]:
+        reached.value[to], reached.last[to] = reached.value[begin], reached.last[begin]
+
+
+@compiled
+def _look_once(
+    reached: _Reached, network: Network, worth: Worth, cell: int, way: int, step: int
+) -> bool:
+    """As `_look_until`, of targets that the path to there hasn't looked at."""
+    lengths, target, is_seen = worth.value.shape[1], network.target[way], False
+    done = cell + network.size
+    for length in range(lengths):
+        takes = worth.steps[target, length]
+        if not 0 < takes <= step - network.first[way] or not network.begins[cell - takes]:
+            continue
+        value = look_worth(network, worth, cell, target, length) - worth.price[target]
+        if len(network.cost):
+            begin = step - takes + worth.settle_steps
+            value -= network.cost[begin + worth.held_steps[target, length]] - network.cost[begin]
+        total = reached.value[cell - takes] + value
+        if not value > 0.0 or reached.value[done] >= total - ROUNDING:
+            continue
+        before = last = reached.last[cell - takes]
+        while last != NONE and reached.target[last] != target:
+            last = reached.before[last]
+        if last == NONE:
+            reached.value[done], reached.last[done], is_seen = total, cell, True
+            reached.number[cell], reached.target[cell] = cell * lengths + length, target
+            reached.before[cell] = before
+    return is_seen
+
+
+@compiled
+def _leave_once(reached: _Reached, network: Network, cell: int, way: int, step: int) -> None:
+    """As `_leave`."""
+    done, rest = cell + network.size, 2 * network.size
+    _come(reached, done, rest + step)
+    if network.ends[cell]:
+        _come(reached, done, rest + network.stop_step + 1)
+    edges = network.edge_from[way + 1] - network.edge_from[way]
+    begin = network.arrival_offset[way] + (step - network.first[way]) * edges
+    for to in network.arrival[begin : begin + edges]:
+        if to != NEVER:
+            _come(reached, done, to)
+
+
+@compiled
+def _looks_until(reached: _Reached, place: int) -> Indices:
+    """Number and target of each look of the best path to a place, (n, 2)."""
+    count, last = 0, reached.last[place]
+    while last != NONE:
+        count, last = count + 1, reached.before[last]
+    looks, last = np.empty((count, 2), np.intp), reached.last[place]
+    for row in range(count - 1, -1, -1):
+        looks[row, 0], looks[row, 1] = reached.number[last], reached.target[last]
+        last = reached.before[last]
+    return looks
+
+
+@compiled
+def _sweep_once(network: Network, worth: Worth) -> tuple[float, Indices]:
+    """As `_sweep`, of the best path to each place alone, which looks back at all of itself: many
+    times as quick.  Its worth, and number and target of each look, (n, 2)."""
+    size, end = network.size, network.stop_step
+    rest = 2 * size
+    start, home = rest + end, rest + end + 1
+    cells = np.empty((3, size), np.intp)
+    reached = _Reached(
+        np.full(home + 1, -np.inf), np.full(home + 1, NONE), cells[0], cells[1], cells[2]
+    )
+    reached.value[start] = 0.0
+    _come(reached, start, home)
+    for step in range(end):
+        if step > 0:
+            _come(reached, rest + step - 1, rest + step)
+        for way in range(len(network.first)):
+            steps = step - network.first[way]
+            if steps < 0:
+                break
+            if step > network.last[way]:
+                continue
+            cell = network.offset[way] + steps
+            done = cell + size
+            if cell == network.enters[way]:
+                _come(reached, start, cell)
+            if steps == 0:
+                _come(reached, rest + max(step - network.reach, 0), cell)
+            else:
+                _come(reached, cell - 1, cell)
+                if not network.scanned[way]:
+                    _come(reached, done - 1, done)
+            if _look_once(reached, network, worth, cell, way, step):
+                _leave_once(reached, network, cell, way, step)
+    return reached.value[home], _looks_until(reached, home)
 
 
 @compiled

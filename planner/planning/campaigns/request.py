@@ -329,6 +329,10 @@ class CampaignRequest(CarrierCommon, CampaignCommon):
 
     def opportunities(self) -> OpportunityRequest:
         """When each target can be seen at all, an imaging mode's middle in its place."""
+        return self._opportunities
+
+    @cached_property
+    def _opportunities(self) -> OpportunityRequest:
         return OpportunityRequest(
             orbit=self.orbit,
             attitude=self.attitude,

@@ -4,7 +4,7 @@ The elevation that the carrier reaches, and what closes every window.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import attrgetter
@@ -30,7 +30,9 @@ class UnseenOptions:
     """How reasons are looked for."""
 
     samples: int = 5  # of a window, at which separations are reported
-    targets_at_once: int = 100  # so that most have a reason where there is work for some only
+    # so that most have a reason where there is work for some only; each search takes some 0.1 s
+    # however few they are
+    targets_at_once: int = 500
     most: float = 400_000.0  # of `effort`: some four seconds beside the search
 
 
@@ -71,7 +73,7 @@ def unseen_because(
     """known: reasons of those that have windows, by row of the request's targets."""
     if not unseen:
         return ()
-    best_rad, best_s = _highest(request, carrier, np.array(unseen))
+    best_rad, best_s = highest_of(request, carrier, np.array(unseen))
     closed = _closed_conditions(request, unseen, known, best_rad)
     return tuple(
         Unseen(
@@ -86,7 +88,9 @@ def unseen_because(
     )
 
 
-def _highest(request: OpportunityRequest, carrier: Carrier, target: Indices) -> tuple[Array, Array]:
+def highest_of(
+    request: OpportunityRequest, carrier: Carrier, target: Indices
+) -> tuple[Array, Array]:
     """The greatest elevation of each target and when, (n,) each."""
     best_rad, best_s = np.empty(len(target)), np.empty(len(target))
     reach = lookout_of(request.platform, request.attitude).reach
@@ -107,14 +111,18 @@ def _closed_conditions(
     left = [row for row in unseen if row not in closed]
     with at_most(OPTIONS.most):
         for first in range(0, len(left), OPTIONS.targets_at_once):
-            closed |= _narrowed(request, left[first : first + OPTIONS.targets_at_once])
+            rows = left[first : first + OPTIONS.targets_at_once]
+            # Each narrowed request reads its targets anew: of these few only.
+            few = replace(request, targets=tuple(request.targets[row] for row in rows))
+            found = _narrowed(few, range(len(rows)))
+            closed |= {rows[number]: reason for number, reason in found.items()}
     for row in left:
         if row not in closed:
             closed[row] = "work", "to find out takes more work than one request may make"
     return closed
 
 
-def _narrowed(request: OpportunityRequest, rows: Sequence[int]) -> dict[int, tuple[Closing, str]]:
+def _narrowed(request: OpportunityRequest, rows: Iterable[int]) -> dict[int, tuple[Closing, str]]:
     """The condition that takes the last window of each, where they are applied one by one."""
     closed: dict[int, tuple[Closing, str]] = {}
     left = list(rows)
