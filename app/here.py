@@ -88,6 +88,12 @@ class Desk:
         _require_format(format_name, EXPORTERS)
         return stored_table_file(made.request, made.table_columns, format_name, datetime.now(UTC))
 
+    def choose(self, body: bytes) -> Result:
+        """A campaign."""
+        from app.work.campaign import choose
+
+        return choose(body)
+
     def fly(self, parts: Sequence[Part], _runs: int) -> Sequence[bytes]:
         """The outcomes of all runs, packed, part by part."""
         from app.work.flights import fly_part
@@ -276,7 +282,6 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     from app.work.campaign import (
         MadePass,
-        choose,
         plan_pass,
         plans_that_stay,
         require_both,
@@ -288,7 +293,7 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     require_both(before, frozen_until)
     if before is not None:
         body = revised(body, frozen_until, json.loads(desk.kept(before).text(before)))
-    chosen, passes = choose(body), []
+    chosen, passes = desk.choose(body), []
     choice = json.loads(unzip(chosen.document))
     made: list[MadePass] = desk.planned(plans_that_stay(choice))
     for number, wanted in enumerate(chosen.parts):

@@ -21,7 +21,7 @@ from app.requests.plan import read_plan_request
 from app.store.packed import pack, unpack, unzip
 from app.work.plan import packed_plan, segment_of, stored_plan
 from app.work.progress import Progress, report
-from app.work.result import Part
+from app.work.result import Part, Result
 from planner.base.errors import FieldError, InvalidInput, InvalidRequest
 from planner.world.frames.time_scales import utc_from_text
 from slewtrack.client.asking import Ask, Reply
@@ -70,6 +70,9 @@ class _CommandsDesk(Desk):
         plan = stored_plan(made.request, unpack(made.table_columns))
         return draw_plan(plan, format_name, datetime.now(UTC))
 
+    def choose(self, body: bytes) -> Result:
+        return choose_here(body)
+
     def fly(self, parts: Sequence[Part], runs: int) -> Sequence[bytes]:
         """On all processors, each part in a child."""
         from app.jobs.kinds import RUNS
@@ -96,12 +99,34 @@ class _CommandsDesk(Desk):
                     stop.request()
 
 
+def choose_here(body: bytes) -> Result:
+    """A campaign, of carriers with much to find on all processors, each in a child."""
+    from app.jobs.executors import Task, run_here
+    from app.jobs.kinds import CAMPAIGN
+    from app.jobs.shares import Places, Sharing
+    from app.jobs.worker_process import Stop
+    from app.requests.campaign import read_campaign_request
+    from app.work.campaign import carriers_apart, choose
+
+    request = read_campaign_request(body)
+    given, shares = carriers_apart(body, request), CAMPAIGN.shares
+    if not given or shares is None:
+        return choose(body, request)
+    most = (os.cpu_count() or 1) - 1
+    places = Places(take=lambda: True, leave=lambda: None, most=most)
+    task = Task(job_id="", bounds=CAMPAIGN.bounds, work=choose, arguments=())
+    sharing = Sharing(run_task=run_here, places=places, attempts=1)
+
+    def tell(progress: Progress) -> None:
+        report(progress.stage, progress.done, progress.of)
+
+    return choose(body, request, sharing.make(shares, given, task, Stop(), tell))
+
+
 def chosen(request: bytes, progress: OnProgress) -> dict[str, Any]:
     """A campaign's choice and passes, without their plans."""
-    from app.work.campaign import choose
-
     with reporting(progress):
-        made = choose(request)
+        made = choose_here(request)
     return {"choice": json.loads(unzip(made.document)), "passes": [*map(told_pass, made.parts)]}
 
 

@@ -10,6 +10,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from itertools import chain, repeat
 from threading import Event, Lock, Thread
 
@@ -22,6 +23,7 @@ from app.jobs.executors import RunTask, Task
 from app.jobs.job_completion import give_up, settle, take_up_again
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
+from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import Stop
 from app.log.logs import log
 from app.settings import Settings
@@ -74,6 +76,9 @@ class Dispatcher:
         self._free = settings.workers
         self._running: dict[str, _Running] = {}
         self._watchers: dict[str, list[Future[Job | None]]] = {}
+        self._places = Places(
+            take=self._take_place, leave=self._hand_place_on, most=settings.workers - 1
+        )
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
         self._closing = Event()
@@ -199,6 +204,11 @@ class Dispatcher:
         with self._lock:
             self._free += 1
 
+    def _hand_place_on(self) -> None:
+        """To a job that waits, before anybody takes it again."""
+        self._leave_place()
+        self._wake_up()
+
     def _now_running(self) -> list[_Running]:
         with self._lock:
             return list(self._running.values())
@@ -215,8 +225,13 @@ class Dispatcher:
             work=kind.work,
             arguments=(body, request),
         )
+        run_task = self.run_task
+        if kind.shares is not None:
+            attempts = self._settings.job_attempts
+            sharing = Sharing(run_task=run_task, places=self._places, attempts=attempts)
+            run_task = partial(sharing.run, kind.shares)
         return self._threads.submit(
-            self.run_task,
+            run_task,
             task,
             running.stop,
             lambda progress: self._record_progress(running, progress),

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from app.jobs.child import Bounds
-from app.work.campaign import choose
+from app.jobs.shares import Shares
+from app.work.campaign import carriers_apart, choose, find_looks, may_be_shared
 from app.work.flights import fly_part, prepare_flights
 from app.work.plan import plan_and_pack
 from app.work.result import Result
@@ -22,6 +23,7 @@ class JobKind:
     work: in a child, of a request's bytes and the request as it was read, None where it is to read
     it; what it returns and raises goes through pickle.
     makes_plans: each is a revision in a series.
+    shares: of its work, done by several processes before the rest.
     parts: the kind of the jobs that its result waits for.
     stages: when each that its work or its parts report begins, in percent of the whole time, in
     order; as jobs that take long have been seen to share it.
@@ -31,6 +33,7 @@ class JobKind:
     bounds: Bounds
     work: Callable[[bytes, Any], Result]
     makes_plans: bool = False
+    shares: Shares | None = None
     parts: "JobKind | None" = None
     stages: Mapping[str, int] = field(default_factory=dict)
 
@@ -86,6 +89,9 @@ CAMPAIGN = JobKind(
     # 1,000 targets over 7 days, the most one request may ask for, took 48 s of a core and 0.8 GB.
     bounds=Bounds(deadline_s=600.0, memory_mib=4000),
     work=choose,
+    shares=Shares(
+        may_be=may_be_shared, split=carriers_apart, work=find_looks, stage="opportunities"
+    ),
     parts=PLAN,
     stages={
         "opportunities": 0,

@@ -2,6 +2,7 @@
 
 import io
 import json
+import pickle
 import re
 import zipfile
 import zlib
@@ -22,6 +23,7 @@ from app.work.result import Part, Result
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import InvalidInput, Refusal
+from planner.base.reporting import tell_nobody
 from planner.output.export.geojson import geojson_of
 from planner.output.export.kml import kml_of
 from planner.output.export.map_features import MapFeature, PlanMap
@@ -41,13 +43,48 @@ _MAPS = {"application/geo+json": geojson_of, "application/vnd.google-earth.kml+x
 SUFFIXES = dict(zip((CSV, *_MAPS, _ARCHIVE), (".csv", ".geojson", ".kml", ".zip"), strict=True))
 
 
-def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -> Result:
-    """Read unless that is done, choose and write down; raises a Refusal."""
+def may_be_shared(body: bytes) -> bool:
+    """Whether it names carriers, whose looks could be found apart."""
+    return b'"carriers"' in body
+
+
+def carriers_apart(
+    body: bytes, request: CampaignRequest | FleetRequest | None = None
+) -> Sequence[bytes]:
+    """What each carrier is to find its looks for, packed; none where that is soon done."""
+    from planner.planning.campaigns import requests_to_choose
+
+    request = request or read_campaign_request(body)
+    if not isinstance(request, FleetRequest) or not request.is_large:
+        return ()
+    requests = requests_to_choose(request)
+    return [pickle.dumps(one) for one in requests.items()] if len(requests) > 1 else ()
+
+
+def find_looks(packed: bytes) -> bytes:
+    """Of one carrier, by `carriers_apart`; raises a Refusal."""
+    from planner.planning.campaigns import looks_of_carrier
+
+    carrier, request = pickle.loads(packed)  # noqa: S301 (our own)
+    looks = looks_of_carrier(request, tell_nobody, modes_by_pass=True)
+    return zlib.compress(pickle.dumps((carrier, looks)), 1)
+
+
+def choose(
+    body: bytes,
+    request: CampaignRequest | FleetRequest | None = None,
+    found: Sequence[bytes] = (),
+) -> Result:
+    """Read unless that is done, choose and write down; raises a Refusal.
+
+    found: by `find_looks`, of every carrier or none.
+    """
     from planner.planning.campaigns import choose_what_is_asked
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    requests, campaign = choose_what_is_asked(request, report)
+    looks = dict(pickle.loads(zlib.decompress(one)) for one in found)  # noqa: S301 (our own)
+    requests, campaign = choose_what_is_asked(request, report, looks)
     words, told = {"": document}, _choice(request, campaign)
     if isinstance(request, FleetRequest):
         words = {one["id"]: one for one in document["carriers"]}

@@ -5,6 +5,7 @@ import signal
 import struct
 import time
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -77,6 +78,15 @@ def find_once_hung(file: bytes, *search: Any) -> object:
     from app.work.searches import find_windows  # which the others don't have
 
     return find_windows(*search)
+
+
+def find_looks_once(lose: Callable[[bytes], Result], given: bytes) -> bytes:
+    """Of a carrier, but for the first who is asked; given: a file's name before what is to do."""
+    file, _, packed = given.partition(b"\n")
+    lose(file)
+    from app.work.campaign import find_looks  # which the others don't have
+
+    return find_looks(packed)
 
 
 def linger(request: bytes, *_: object) -> Result:

@@ -4,21 +4,29 @@ import hashlib
 import json
 import zlib
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
 
 import pytest
-from child_work import made
+from child_work import Notes, die, die_once, find_looks_once, hang, made, refuse_by
 from databases import fresh_database
+from waiting import alive, eventually
 
 from app.answers.campaign import campaign_json
 from app.ids import new_id
+from app.jobs.executors import Task, run_here
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
+from app.jobs.shares import Places, Sharing
+from app.jobs.worker_process import ChildDied, Stop, Stopped
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, results
 from app.store.jobs import NewJob
-from app.work.campaign import choose, without_refused
+from app.work.campaign import carriers_apart, choose, without_refused
 from app.work.plan import plan_and_pack
-from planner.base.errors import Unreachable
+from planner.base.errors import InvalidInput, Unreachable
+from planner.planning.campaigns import fleet
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
 
@@ -50,6 +58,54 @@ def campaign_id(database, chosen):
         token = jobs.accept(connection, new, 60.0)
     ended_with(database, CAMPAIGN, token, chosen)
     return new.id
+
+
+FLEET = (Path(__file__).parents[2] / "examples" / "campaign_fleet.json").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def chosen_at_once():
+    return choose(FLEET)
+
+
+@pytest.mark.parametrize("beside", [0, 2])
+def test_looks_found_apart_make_the_same_choice_though_a_child_dies(
+    chosen_at_once, monkeypatch, tmp_path, beside
+):
+    assert not carriers_apart(FLEET)  # too few targets to be worth it
+    monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
+    assert not carriers_apart(BODY)
+    notes, told = Notes(tmp_path / "notes"), []
+    given = [b"%s\n%s" % (bytes(notes.file), one) for one in carriers_apart(FLEET)]
+    shares = replace(CAMPAIGN.shares, work=partial(find_looks_once, die_once))
+    places = Places(take=lambda: True, leave=lambda: None, most=beside)
+    sharing = Sharing(run_task=run_here, places=places, attempts=2)
+    task = Task(job_id="fleet", bounds=CAMPAIGN.bounds, work=choose, arguments=())
+    found = sharing.make(shares, given, task, Stop(), told.append)
+    assert [(one.done, one.of) for one in told] == [(done, 3) for done in range(4)]
+    assert len(notes.pids()) > 3  # one died at least
+    assert choose(FLEET, None, found) == chosen_at_once
+
+
+def test_shares_end_with_the_work_and_by_their_own_refusal(tmp_path):
+    notes = Notes(tmp_path / "notes")
+    places = Places(take=lambda: True, leave=lambda: None, most=1)
+    sharing = Sharing(run_task=run_here, places=places, attempts=2)
+    task = Task(job_id="fleet", bounds=CAMPAIGN.bounds, work=choose, arguments=())
+    stop, given = Stop(), [bytes(notes.file)] * 3
+    with ThreadPoolExecutor(1) as thread:
+        hanging = replace(CAMPAIGN.shares, work=hang)
+        ending = thread.submit(sharing.make, hanging, given, task, stop)
+        eventually(lambda: len(notes.pids()) == 2)
+        stop.request()
+        with pytest.raises(Stopped):
+            ending.result()
+    eventually(lambda: not any(map(alive, notes.pids())))
+    refusing = partial(refuse_by, InvalidInput("is none", field="carriers.1.orbit"))
+    with pytest.raises(InvalidInput):
+        sharing.make(replace(CAMPAIGN.shares, work=refusing), given, task, Stop())
+    with pytest.raises(ChildDied):
+        sharing.make(replace(CAMPAIGN.shares, work=die), given[:1], task, Stop())
 
 
 def ended_with(database, kind, token, result):

@@ -7,11 +7,12 @@ import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
-from child_work import find_once_hung, let_go
+from child_work import find_looks_once, find_once_hung, hang_once, let_go
 from dask import config
 from databases import own_settings
 from distributed import Client
@@ -25,13 +26,16 @@ from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import SLOT, DaskExecutor
 from app.jobs.executors import Task
-from app.jobs.kinds import RUNS
+from app.jobs.kinds import CAMPAIGN, RUNS
+from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
+from app.work.campaign import carriers_apart, choose
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress
 from planner.base.errors import InvalidInput
+from planner.planning.campaigns import fleet
 
 BIN = Path(sys.executable).parent
 HERE = Path(__file__).parent
@@ -218,6 +222,28 @@ def test_windows_are_found_by_a_worker_and_by_another_where_it_is_lost(
     assert len(pids(tmp_path / "lost")) == 2
     assert there["windows"] == here["windows"]
     assert there["next"] == here["next"]
+
+
+def test_looks_of_carriers_are_found_by_a_worker_and_by_another_where_it_is_lost(
+    executor, scheduler, tmp_path, monkeypatch
+):
+    body = (HERE.parents[1] / "examples" / "campaign_fleet.json").read_bytes()
+    monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
+    lost = tmp_path / "lost"
+    given = [b"%s\n%s" % (bytes(lost), one) for one in carriers_apart(body)]
+    shares = replace(CAMPAIGN.shares, work=partial(find_looks_once, hang_once))
+    places = Places(take=lambda: True, leave=lambda: None, most=0)
+    sharing = Sharing(run_task=executor.run, places=places, attempts=1)
+    task = Task(job_id="fleet", bounds=CAMPAIGN.bounds, work=choose, arguments=())
+    with worker(scheduler) as first:
+        found = THREADS.submit(sharing.make, shares, given, task, Stop())
+        (pid,) = eventually(lambda: pids(lost))
+        first.kill()
+        with worker(scheduler):
+            there = choose(body, None, found.result(WITHIN_S))
+    assert not alive(pid)
+    assert len(pids(lost)) == 4
+    assert there == choose(body)
 
 
 def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):

@@ -14,8 +14,10 @@ if TYPE_CHECKING:
         choose_campaign,
         choose_together,
         choose_what_is_asked,
+        requests_to_choose,
         scenario_of,
     )
+    from planner.planning.campaigns.carrier_looks import looks_of_carrier
     from planner.planning.campaigns.view import Seen
 else:
     __getattr__ = on_first_use(
@@ -25,6 +27,8 @@ else:
         choose_campaign="planner.planning.campaigns.campaign",
         choose_together="planner.planning.campaigns.campaign",
         choose_what_is_asked="planner.planning.campaigns.campaign",
+        looks_of_carrier="planner.planning.campaigns.carrier_looks",
+        requests_to_choose="planner.planning.campaigns.campaign",
         scenario_of="planner.planning.campaigns.campaign",
     )
 
@@ -42,5 +46,7 @@ __all__ = [
     "choose_campaign",
     "choose_together",
     "choose_what_is_asked",
+    "looks_of_carrier",
+    "requests_to_choose",
     "scenario_of",
 ]

@@ -105,22 +105,43 @@ def choose_campaign(
     return choose_what_is_asked(request, tell)[1]
 
 
-def choose_what_is_asked(
-    request: CampaignRequest | FleetRequest, tell: Reporter = tell_nobody
-) -> tuple[Mapping[str, CampaignRequest], Campaign]:
-    """For one carrier or several, and what each of them chose from, by its id.
+def requests_to_choose(
+    request: CampaignRequest | FleetRequest,
+) -> Mapping[str, CampaignRequest]:
+    """For one carrier or several, what each of them is to choose from, by its id.
 
-    What stays of a campaign that is revised is not chosen, and only `revision` tells of it.
+    What stays of a campaign that is revised is not chosen.
     """
     revises = request.revises
     if revises is None:
-        return request.requests, choose_together(request.requests, tell, request.field_of)
+        return request.requests
     stays = revises.frozen(request.carrier_ids, request.start)
     requests = revises.chosen_anew(request.requests, stays)
     for carrier, anew in requests.items():
         left = resources_left(request.requests[carrier], anew, request.field_of(carrier, ""))
         requests[carrier] = replace(anew, resources=left)
-    found = choose_together(requests, tell, request.field_of)
+    return requests
+
+
+def choose_what_is_asked(
+    request: CampaignRequest | FleetRequest,
+    tell: Reporter = tell_nobody,
+    looks: Mapping[str, CarrierLooks] | None = None,
+) -> tuple[Mapping[str, CampaignRequest], Campaign]:
+    """`requests_to_choose`, and the choice.
+
+    looks: of each of these, where they are found.  Of what stays of a campaign that is revised
+    only `revision` tells.
+    """
+    if looks:
+        requests: Mapping[str, CampaignRequest] = {one: own.request for one, own in looks.items()}
+    else:
+        requests = requests_to_choose(request)
+    found = choose_together(requests, tell, request.field_of, looks)
+    revises = request.revises
+    if revises is None:
+        return requests, found
+    stays = revises.frozen(request.carrier_ids, request.start)
     return requests, replace(
         found,
         revision=revises.found(stays, found.passes),
@@ -132,13 +153,15 @@ def choose_together(
     requests: Mapping[str, CampaignRequest],
     tell: Reporter = tell_nobody,
     field_of: Callable[[str, str], str] = lambda carrier, field: field,
+    looks: Mapping[str, CarrierLooks] | None = None,
 ) -> Campaign:
     """Choose for several carriers at once, whose targets are the same where their ids are.
 
     requests: by the carrier's id, alike in all that is no carrier's own and no list of targets.
-    field_of: as refusals name it, by the carrier's id.  Otherwise as `choose_campaign`.
+    field_of: as refusals name it, by the carrier's id.  looks: of each, where they are found.
+    Otherwise as `choose_campaign`.
     """
-    joined = _joined(requests, tell)
+    joined = joined_of(looks) if looks else _joined(requests, tell)
     networks, looking = joined.networks, joined.hopeful()
     is_kept = any(one.is_kept for one in requests.values())
     keeping = Keeping(joined, field_of) if is_kept else None

@@ -3,9 +3,9 @@
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,9 +32,21 @@ from planner.world.frames.time_scales import shifted_utc
 from planner.world.targets import GroundPathTarget
 
 
+class _Aboard(NamedTuple):
+    """What follows from the request of a carrier alone, as `CarrierLooks` has it."""
+
+    follower: Follower
+    carrier: Carrier
+    viewing: Viewing
+    grid_s: float
+    settle_steps: int
+    gaps: Gaps
+    slewing: Slewing
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CarrierLooks:
-    """What one carrier can look at, and how its looks follow each other.
+    """What one carrier can look at, and how its looks follow each other; goes through pickle.
 
     candidates: its own, by which everything here counts.  grid_s: from the request's start to the
     grid's first step.  settle_steps: before every look.  shortest: (candidates,), steps of the
@@ -58,6 +70,13 @@ class CarrierLooks:
     slewing: Slewing
     gaps: Gaps
     networks: Sequence[Network]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was found: the rest follows from the request."""
+        return {name: getattr(self, name) for name in _FOUND}
+
+    def __setstate__(self, found: dict[str, Any]) -> None:
+        vars(self).update(found | _aboard(found["request"])._asdict())
 
     def pass_span_s(self, look_start_s: float, look_stop_s: float) -> tuple[float, float]:
         """When a pass with looks from start to stop begins at rest, and is at rest again."""
@@ -168,6 +187,28 @@ class CarrierLooks:
         return "motion", (self.follower.unable.format(least_s=least_s))
 
 
+_FOUND = frozenset(field.name for field in fields(CarrierLooks)).difference(_Aboard._fields)
+
+
+def _aboard(request: CampaignRequest) -> _Aboard:
+    follower, grid_s = follower_of(request), _first_row_s(request)
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    carrier = follower.carrier(ephemeris)
+    settle_steps = math.ceil(follower.settle_s / request.step_s - 1e-9)
+    gaps = Gaps(request, follower, settle_steps)
+    return _Aboard(
+        follower=follower,
+        carrier=carrier,
+        viewing=Viewing(
+            weights=request.view, ephemeris=ephemeris, follower=follower, clouds=request.clouds
+        ),
+        grid_s=grid_s,
+        settle_steps=settle_steps,
+        gaps=gaps,
+        slewing=_slewing_of(request, follower, gaps, carrier, grid_s),
+    )
+
+
 def looks_of_carrier(
     request: CampaignRequest, tell: Reporter, *, modes_by_pass: bool = False
 ) -> CarrierLooks:
@@ -176,21 +217,14 @@ def looks_of_carrier(
     modes_by_pass: as in `candidates_of`.  Raises OutsideCoverage.
     """
     tell("opportunities", 0, 1)
-    follower = follower_of(request)
-    grid_s = _first_row_s(request)
-    ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    carrier = follower.carrier(ephemeris)
+    aboard = _aboard(request)
+    follower, carrier, viewing, grid_s, settle_steps, gaps, slewing = aboard
     found = opportunities_however_many(request.opportunities())
     scans = scans_by_pass(request, request.modes, carrier, request.step_s)
     candidates = candidates_of(request, scans.found, modes_by_pass)
     windows = _windows_of(request, candidates, found.windows, follower.settle_s)
-    settle_steps = math.ceil(follower.settle_s / request.step_s - 1e-9)
-    gaps = Gaps(request, follower, settle_steps)
     looks = _looks_in_passes(request, candidates, windows, follower, gaps.rest_s)
     tell("ways", 0, 1)
-    viewing = Viewing(
-        weights=request.view, ephemeris=ephemeris, follower=follower, clouds=request.clouds
-    )
     shortest = np.array(
         [settle_steps + one.length_steps(request.step_s)[0] for one in candidates], np.intp
     )
@@ -207,24 +241,17 @@ def looks_of_carrier(
     ways = ways_to_follow(
         looks, candidates, scanned, shortest, carrier, viewing, request.step_s, grid_s
     )
-    slewing = _slewing_of(request, follower, gaps, carrier, grid_s)
     return CarrierLooks(
+        **aboard._asdict(),
         request=request,
-        follower=follower,
-        carrier=carrier,
-        viewing=viewing,
-        grid_s=grid_s,
         candidates=candidates,
         found=found.windows,
         windows=windows,
         warnings=found.warnings,
         scans=scans,
         looks=looks,
-        settle_steps=settle_steps,
         shortest=shortest,
         ways=ways,
-        slewing=slewing,
-        gaps=gaps,
         networks=_build_networks(ways, shortest, slewing, gaps, tell),
     )
 

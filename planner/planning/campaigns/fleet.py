@@ -9,7 +9,6 @@ from pydantic import Field
 
 from planner.base.assumed import Assumed
 from planner.base.spec import is_kept, spec
-from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignCommon, CampaignRequest, CarrierCommon
 from planner.world.conditions import DutyCycle
 
@@ -18,7 +17,9 @@ from planner.world.conditions import DutyCycle
 class FleetBounds:
     """What a campaign of several carriers may ask for."""
 
-    carriers_max: int = 100  # each is searched for windows by itself, one after another
+    carriers_max: int = 100  # each is searched for windows by itself
+    target_days_max: float = 20_000.0  # counted for each carrier that may look at them
+    large_target_days: float = 2000.0  # some ten seconds: then its carriers are searched apart
 
 
 BOUNDS = FleetBounds()
@@ -79,13 +80,23 @@ class FleetRequest(CampaignCommon):
         self._require_known_sensors()
         if self.revises is not None:
             self.revises.require(self.start, self.stop)
-        asked = sum(one.counted_target_days for one in self.requests.values())
-        if asked > CAMPAIGN_BOUNDS.target_days_max and not is_kept():
+        asked = self.counted_target_days
+        if asked > BOUNDS.target_days_max and not is_kept():
             raise ValueError(
-                f"targets times days must not exceed {CAMPAIGN_BOUNDS.target_days_max:.0f}, "
+                f"targets times days must not exceed {BOUNDS.target_days_max:.0f}, "
                 f"counted for each carrier that may look at them, which these {asked:.0f} do; ask "
                 "for fewer at a time, or tell them apart by sensor"
             )
+
+    @property
+    def counted_target_days(self) -> float:
+        """As of a campaign of one, of all carriers."""
+        return sum(one.counted_target_days for one in self.requests.values())
+
+    @property
+    def is_large(self) -> bool:
+        """Whether it pays to find the looks of its carriers apart."""
+        return self.counted_target_days >= BOUNDS.large_target_days
 
     def _require_known_sensors(self) -> None:
         sensors = {one.sensor for one in self.carriers} - {None}

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.planning.campaigns.platforms.slew_fits import (
     NECESSARY,
     SUFFICIENT,
@@ -291,7 +291,7 @@ def _fill(
                 arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
 
 
-@compiled
+@lean
 def _first_arrival(
     state: Array,
     states: Array,

@@ -204,6 +204,7 @@ def _gather_runs(
     look, steps = look[order], steps[order]
     offset = np.cumsum(steps) - steps
     rows = np.repeat(begins[order] - offset, steps) + np.arange(steps.sum())
+    kept = states[rows]
     return Ways(
         step_s=step_s,
         target=looks.target[look],
@@ -211,8 +212,8 @@ def _gather_runs(
         first_step=first_step[order],
         steps=steps,
         offset=offset,
-        states=states[rows],
+        states=kept,
         quality=quality[rows],
         scanned=is_scan[looks.target[look]],
-        begin_states=begin_states[rows],
+        begin_states=begin_states[rows] if is_scan.any() else kept,
     )

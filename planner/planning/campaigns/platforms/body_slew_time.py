@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.compiled import compiled, inlined
+from planner.base.compiled import inlined, lean
 from planner.base.vectors import (
     Vector,
     angle_between,
@@ -78,7 +78,7 @@ class _Ends(NamedTuple):
     is_known: bool
 
 
-@compiled
+@lean
 def body_fits(
     start_state: Array, end_state: Array, envelope: BodyEnvelope, sign: float, available_s: float
 ) -> bool:

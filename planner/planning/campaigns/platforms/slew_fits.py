@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled
+from planner.base.compiled import lean
 from planner.planning.campaigns.platforms.axis_slew_time import axes_fit
 from planner.planning.campaigns.platforms.body_slew_time import BodyEnvelope, body_fits
 
@@ -25,7 +25,7 @@ class FollowerLimits(NamedTuple):
     body: BodyEnvelope = _NO_BODY
 
 
-@compiled
+@lean
 def slew_fits(
     start_state: Array, end_state: Array, limits: FollowerLimits, sign: float, available_s: float
 ) -> bool:
