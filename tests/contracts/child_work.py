@@ -5,7 +5,7 @@ import signal
 import struct
 import time
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -87,6 +87,21 @@ def find_looks_once(lose: Callable[[bytes], Result], given: bytes) -> bytes:
     from app.work.campaign import find_looks  # which the others don't have
 
     return find_looks(packed)
+
+
+def share_out(request: bytes, *_: object) -> list[bytes]:
+    """A file for each of three."""
+    return [request + number for number in (b"0", b"1", b"2")]
+
+
+def die_once_each(request: bytes) -> bytes:
+    die_once(request)
+    return request
+
+
+def gather(request: bytes, _: object, shares: Sequence[bytes] = ()) -> Result:
+    assert list(shares) == share_out(request)
+    return note(request)
 
 
 def linger(request: bytes, *_: object) -> Result:

@@ -1,20 +1,23 @@
 """Kinds of work that put the dispatcher to the test."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from child_work import (
     die,
     die_once,
+    die_once_each,
     dwell,
     fail,
+    gather,
     hang,
     hang_once,
     leave_out,
     linger,
     note,
     repeat,
+    share_out,
     spin,
     tell,
 )
@@ -23,6 +26,7 @@ from distributed import get_worker
 from app.ids import new_id
 from app.jobs.child import Bounds
 from app.jobs.kinds import JobKind
+from app.jobs.shares import Shares
 from app.store.jobs import NewJob
 
 
@@ -50,6 +54,8 @@ KINDS = {
     )
     for work in WORKS
 }
+SHARES = Shares(may_be=bool, split=share_out, work=die_once_each, stage="shares")
+KINDS["gather"] = replace(KINDS["note"], name="gather", work=gather, shares=SHARES)
 
 
 def new_job(kind: str, file: Path, **members: object) -> NewJob:

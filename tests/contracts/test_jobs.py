@@ -214,6 +214,19 @@ def test_work_that_hangs_is_killed_and_work_whose_process_dies_is_begun_again(
         assert len(notes.pids()) == attempts
 
 
+@pytest.mark.parametrize("workers", [1, 3])
+def test_shares_whose_processes_die_are_done_again_before_the_rest(database, notes, workers):
+    with dispatching(database, workers=workers) as dispatcher:
+        job = dispatcher.submit(new_job("gather", notes.file))
+        found = ended(database, job.id)
+        again = ended(database, dispatcher.submit(new_job("note", notes.file)).id)
+    assert (found.state, found.attempts, again.state) == ("done", 1, "done")
+    assert len(notes.pids()) == 2
+    for number in range(3):
+        died, done = Notes(notes.file.with_name(f"{notes.file.name}{number}")).pids()
+        assert died != done
+
+
 def test_a_bug_is_reported_without_its_text(database, tmp_path, caplog):
     with dispatching(database) as dispatcher:
         job = dispatcher.submit(new_job("fail", tmp_path / "notes"))
