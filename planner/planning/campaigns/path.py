@@ -92,22 +92,23 @@ def exact_path(network: Network, worth: Worth, labels_max: int, kept: Sequence[i
 
 def _path_of(network: Network, worth: Worth, value: float, visits: Indices) -> Path:
     """visits: as of `Round`."""
-    looks = []
-    for number, target in visits.tolist():
-        cell, length = divmod(number, worth.value.shape[1])
-        way = int(np.searchsorted(network.offset, cell, side="right")) - 1
-        takes = int(worth.steps[target, length])
-        step = cell - network.offset[way] + network.first[way] - takes + worth.settle_steps
-        looks.append(
-            Look(
-                target=target,
-                way=int(network.way[way]),
-                first_step=int(network.first_step + step),
-                length=length,
-                value=look_worth(network, worth, cell, target, length),
-            )
-        )
-    return Path(value=value, looks=tuple(looks))
+    cell, length = np.divmod(visits[:, 0], worth.value.shape[1])
+    target = visits[:, 1]
+    way = np.searchsorted(network.offset, cell, side="right") - 1
+    settled_steps = worth.steps[target, length]
+    step = cell - network.offset[way] + network.first[way] - settled_steps + worth.settle_steps
+    # As `look_worth`, of all at once: a call from here takes longer than the sweep does for a look.
+    takes = np.maximum(settled_steps - worth.settle_steps, 1)
+    seen = network.quality_sum[cell] - network.quality_sum[np.maximum(cell - takes, 0)]
+    looks = zip(
+        target.tolist(),
+        network.way[way].tolist(),
+        (network.first_step + step).tolist(),
+        length.tolist(),
+        (worth.value[target, length] * seen / takes).tolist(),
+        strict=True,
+    )
+    return Path(value=value, looks=tuple(Look(*one) for one in looks))
 
 
 def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float, Path]:
