@@ -150,17 +150,17 @@ def _bound_work(request: ImagingPlanRequest) -> float:
 def _is_found(request: ImagingPlanRequest) -> bool:
     """Whether a plan of it is found with a part of the work of a session."""
     with at_most(OPTIONS.try_share * _bound_work(request)), suppress(Refusal):
-        return bool(_make_plan(request, tell_nobody, gentler=False).windows)
+        return bool(_make_plan(request, tell_nobody, refine=False).windows)
     return False
 
 
-def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = True) -> ImagingPlan:
+def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = True) -> ImagingPlan:
     clock = StageClock(tell=tell)
     with clock.time("candidates"):
         session = make_session(request)
         options, unseen = options_of(session)
     with clock.time("choice and slews"):
-        chosen = choose_and_slew(session, options, gentler=gentler)
+        chosen = choose_and_slew(session, options, refine=refine)
     timeline = chosen.timeline
     effort.count(table_work(timeline.scenario, timeline.joins[-1].stop_row))
     whole = complete_plan(timeline.scenario, session.ephemeris, timeline.joins, clock)

@@ -9,7 +9,7 @@ from ruckig import InputParameter, Ruckig, Trajectory
 from scipy.spatial.transform import Rotation
 
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.imaging.choose import bound_of, choose
+from planner.spacecraft.imaging.choose import bound_of, choose, choose_by_solving
 from planner.spacecraft.imaging.session import GroundArc
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.vehicle import AgileSpacecraft
@@ -109,6 +109,36 @@ def test_a_bound_is_less_than_everything_where_no_slew_is_quick_enough():
     options = [candidate(0, 0, 10.0, -0.4), candidate(1, 0, 17.0, 0.4)]
     assert choose(options, [1.0, 3.0], SLEWS).value == 3.0
     assert bound_of(options, [1.0, 3.0], SLEWS, 3.0) == 3.0
+
+
+@pytest.mark.parametrize(
+    ("short_ticks", "is_found", "value"),
+    [(0, False, 4.0), (2, True, 4.0), (2, False, 3.0), (20, True, 3.0)],
+)
+def test_a_slew_that_is_not_known_to_suffice_is_solved(monkeypatch, short_ticks, is_found, value):
+    """Unless it lacks much of what would suffice."""
+    monkeypatch.setattr(Slews, "is_found", lambda *_: is_found)
+    first = candidate(0, 0, 10.0, -0.3)
+    needed = SLEWS.ticks(first.exit_state[None], state([0.0, 0.0, 0.3])[None])[0]
+    start_s = round(first.stop_s + 0.2 * (needed - short_ticks), 1)
+    options = [first, candidate(1, 0, start_s, 0.3)]
+    choice = choose(options, [1.0, 3.0], SLEWS)
+    assert choice.value == (3.0 if short_ticks else 4.0)
+    assert choose_by_solving(options, [1.0, 3.0], SLEWS, choice).value == value
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("stereo", [False, True])
+def test_what_is_solved_is_worth_no_less_and_no_more_than_the_bound(seed, stereo):
+    options, priorities = random_session(seed, stereo)
+    choice = choose(options, priorities, SLEWS)
+    better = choose_by_solving(options, priorities, SLEWS, choice)
+    assert choice.value <= better.value
+    assert better.value <= bound_of(options, priorities, SLEWS, choice.value) + 1e-9
+    for k, j in itertools.pairwise(better.chosen):
+        ends = options[k].exit_state, options[j].entry_state
+        ticks = round((options[j].start_s - options[k].stop_s) / 0.2)
+        assert follows(options[k], options[j]) or SLEWS.is_found(*ends, ticks)
 
 
 @pytest.mark.parametrize("rates_deg_s", [(0.0, 0.0), (-0.9, -0.9), (0.5, -0.4), (0.7, 0.3)])

@@ -12,7 +12,7 @@ from planner.base.errors import InfeasibleSlew, Refusal, SearchEnded, Unreachabl
 from planner.base.rotation import Rotation
 from planner.planning.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
-from planner.spacecraft.imaging.choose import Choice, choose
+from planner.spacecraft.imaging.choose import Choice, choose, choose_by_solving
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.imaging.timeline import DoesNotFit, Timeline, build_timeline, scans_of
 from planner.spacecraft.requests import LeftOut
@@ -27,6 +27,7 @@ class SlewRevisionOptions:
     tries: int = 3  # of a request, before others are imaged in its place
     request: float = 1_000.0  # of `effort`, for each request
     gentler_share: float = 0.4  # of what work is left, for gentler slews
+    solving_share: float = 0.6  # of what work is left, for slews that may be found by solving them
     rest_before_s: float = 20.0  # a slew from and to the idle attitude takes about so long
 
 
@@ -135,22 +136,27 @@ class Chosen:
 
 
 def choose_and_slew(
-    session: ImagingSession, options: Sequence[Candidate], *, gentler: bool
+    session: ImagingSession, options: Sequence[Candidate], *, refine: bool
 ) -> Chosen:
-    """The choice and its timeline.  Where all that can be seen fits, smooth slews share the time
-    left over (if gentler): a slower slew shakes the structure less.
+    """The choice and its timeline.  If it is to be refined, work that is left is spent: where all
+    that can be seen fits, smooth slews share the time left over, as a slower slew shakes the
+    structure less; else slews are solved that aren't known to suffice.
 
     Raises InfeasibleSlew where nothing fits.
     """
     first = _best(session, options)
-    gentler = gentler and session.request.objective == "smooth"
-    if gentler and set(first.requests) == {option.request for option in options}:
+    is_all = set(first.requests) == {option.request for option in options}
+    if refine and is_all and session.request.objective == "smooth":
         found = None
         with at_most(OPTIONS.gentler_share * effort.remaining()):
             found = _gentler(session, first)
         if found is not None:
             return found
-    return _fitting(session, options, first)
+    fitting = _fitting(session, options, first)
+    if refine and not is_all:
+        with at_most(OPTIONS.solving_share * effort.remaining()):
+            return _tighter(session, options, fitting.choice) or fitting
+    return fitting
 
 
 def _best(
@@ -162,6 +168,17 @@ def _best(
         return Choice()
     choice = choose([options[k] for k in allowed], session.priorities, session.slews)
     return replace(choice, chosen=tuple(allowed[k] for k in choice.chosen))
+
+
+def _tighter(session: ImagingSession, options: Sequence[Candidate], first: Choice) -> Chosen | None:
+    """A choice worth more whose slews are found by solving them, or None."""
+    choice = choose_by_solving(options, session.priorities, session.slews, first)
+    if choice is not first:
+        with suppress(DoesNotFit):
+            timeline = build_timeline(session, scans_of(options, choice.chosen))
+            left_out = _left_out(session, options, choice, {})
+            return Chosen(choice=choice, timeline=timeline, left_out=left_out)
+    return None
 
 
 def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
