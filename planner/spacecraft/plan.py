@@ -32,10 +32,10 @@ from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, option
 from planner.spacecraft.imaging.choose import bound_of
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut, Request
-from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.spacecraft.table import ImagingWindow
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
-from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.frames.time_scales import Instants
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,17 +93,13 @@ class ImagingPlan:
         )
 
     def _summary_of(self, asked: Request) -> ImagingRequestSummary:
-        looks = [window for window in self.windows if window.request == asked.name]
-        on = [row for look in looks for row in (look.first_row, look.last_row)]
-        start_utc, stop_utc = (
-            shifted_utc(self.table.epoch_utc, of(on) * TICK_S) if on else None for of in (min, max)
-        )
+        looks = [one for one in self.verification.windows if one.request == asked.name]
         return ImagingRequestSummary(
             request=asked.name,
             mode=asked.mode,
             looks=len(looks),
-            start_utc=start_utc,
-            stop_utc=stop_utc,
+            start_utc=looks[0].start_utc if looks else None,
+            stop_utc=looks[-1].stop_utc if looks else None,
         )
 
 

@@ -17,7 +17,6 @@ from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, R
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
-from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import (
     SESSION_MAX_S,
@@ -125,8 +124,6 @@ def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Altern
     holds nothing else."""
     bound = request.requests[number]
     free = replace(bound, start=None, window_start=None, window_stop=None)
-    if least_time_s(free, make_session(request))[1] > SESSION_MAX_S:
-        return
     for longer_s in OPTIONS.longer_s:
         spans = sorted(
             _spans(request, free, longer_s), key=lambda span: _shift_s(request, bound, *span)

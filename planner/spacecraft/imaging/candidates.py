@@ -70,10 +70,6 @@ class Candidate:
     used_shares: tuple[float, float] = (0.0, 0.0)
 
     @property
-    def first_tick(self) -> int:
-        return self.arcs[0].first_row
-
-    @property
     def start_s(self) -> float:
         return self.arcs[0].start_s
 

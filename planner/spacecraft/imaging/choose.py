@@ -189,10 +189,10 @@ def _made_ready(
 ) -> tuple[list[int], Imaging, SlewGraph]:
     """Numbers of the candidates by their start, the candidates so, and which can follow which by
     slew times as of `slew_fits`."""
-    order = sorted(range(len(candidates)), key=lambda k: candidates[k].first_tick)
+    order = sorted(range(len(candidates)), key=lambda k: candidates[k].arcs[0].first_row)
     ordered = [candidates[k] for k in order]
     imaging = Imaging(
-        start_tick=np.array([c.first_tick for c in ordered]),
+        start_tick=np.array([c.arcs[0].first_row for c in ordered]),
         stop_tick=np.array([c.arcs[-1].last_row for c in ordered]),
         request=np.array([c.request for c in ordered]),
         part=np.array([c.part for c in ordered]),

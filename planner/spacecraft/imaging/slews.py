@@ -1,7 +1,6 @@
 """Slews between scans, of the times that suffice or are needed in a campaign of any body."""
 
 import math
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,12 +11,10 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import Motion
 from planner.base.compiled import compiled
 from planner.base.errors import InfeasibleSlew
-from planner.base.rotation import Rotation
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
-from planner.planning.campaigns.platforms.body import OPTIONS as FOLLOWING
-from planner.planning.campaigns.platforms.body import moving_state, slew_limits
+from planner.planning.campaigns.platforms.body import slew_limits
 from planner.planning.campaigns.platforms.slew_fits import (
     SUFFICIENT,
     FollowerLimits,
@@ -48,12 +45,6 @@ class Slews:
     def settle_s(self) -> float:
         """On a line before its scan begins."""
         return self.platform.envelope.settle_s
-
-    def states(self, q_eci_from_body_after: Callable[[float], Rotation]) -> Array:
-        """Of n attitudes, which are told some seconds later."""
-        return moving_state(
-            *(q_eci_from_body_after(s) for s in (-FOLLOWING.delta_s, 0.0, FOLLOWING.delta_s))
-        )
 
     @property
     def widest_ticks(self) -> int:
@@ -92,19 +83,16 @@ class Slews:
     def is_found(self, exit_state: Array, entry_state: Array, ticks: int) -> bool:
         """Whether a slew from a scan's end to another's begin, so many ticks later, is found by
         solving it."""
-        start, goal = (
-            Motion(*np.split(state[None, :10], [4, 7], axis=1))
-            for state in (exit_state, entry_state)
-        )
-        rows = math.floor((ticks * TICK_S - self.settle_s - self.more_s) / TICK_S + 1e-9)
+        ends = np.stack([exit_state[None], entry_state[None]])
+        start, goal = (Motion(*np.split(end, [4, 7, 10], axis=1)[:3]) for end in ends)
+        row = ticks - math.ceil((self.settle_s + self.more_s) / TICK_S - 1e-9)
+        limits = agility_limits(self.platform)
+        if row < 1:
+            return False
         with suppress(InfeasibleSlew):
             solve_attitude_slew(
                 BodySlewProblem(
-                    start=start,
-                    goal=goal,
-                    first_arrival_row=rows,
-                    limits=agility_limits(self.platform),
-                    objective="any",
+                    start=start, goal=goal, first_arrival_row=row, limits=limits, objective="any"
                 )
             )
             return True
