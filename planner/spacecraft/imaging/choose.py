@@ -49,7 +49,7 @@ class ChoiceOptions:
     bound_labels_max: int = 2_000_000  # no round of the bound is begun after so many: 2 s
     # of 60 slews for which more sufficed, by so much of their time, 16 were found by solving them,
     # of those for which yet more did none of 40
-    stretch: float = 1.08
+    stretch_factor: float = 1.08
     bound_share: float = 0.3  # of what work is left: the rest is for flights
 
 
@@ -117,7 +117,7 @@ def choose(candidates: Sequence[Candidate], priorities: Sequence[float], slews: 
         most = max(most, _without_repeats(imaging, one.visits[:, 0].tolist()), key=itemgetter(0))
         if one.value <= most[0]:
             break
-    return _choice_of(order, imaging, graph, most, greedy[0])
+    return _choice_of(order, imaging, graph, *most, greedy[0])
 
 
 def choose_by_solving(
@@ -126,7 +126,7 @@ def choose_by_solving(
     """A choice worth more than this one, where slews that aren't known to suffice but are found by
     solving them let others follow each other; the same where none is found by the work left."""
     order, imaging, known = _made_ready(candidates, priorities, slews, SUFFICIENT)
-    hasty = replace(slews, stretch=OPTIONS.stretch)
+    hasty = replace(slews, stretch_factor=OPTIONS.stretch_factor)
     hoped = _made_ready(candidates, priorities, hasty, SUFFICIENT)[2]
 
     @cache
@@ -142,7 +142,7 @@ def choose_by_solving(
             break
         failed = [pair for pair in pairwise(found[1]) if not is_flown(*pair)]
         if not failed:
-            return _choice_of(order, imaging, known, found, choice.greedy_value)
+            return _choice_of(order, imaging, known, *found, choice.greedy_value)
         edges = len(hoped.before)
         for pair in failed:
             hoped = hoped.without(imaging, *pair)
@@ -155,10 +155,10 @@ def _choice_of(
     order: Sequence[int],
     imaging: Imaging,
     graph: SlewGraph,
-    found: tuple[float, list[int]],
+    value: float,
+    path: list[int],
     greedy_value: float,
 ) -> Choice:
-    value, path = found
     path = _less_tilted(imaging, graph, path)
     return Choice(
         chosen=tuple(order[k] for k in path),

@@ -26,8 +26,8 @@ from planner.world.platforms import BodyPlatform
 
 @dataclass(frozen=True, kw_only=True)
 class Slews:
-    """Of a body.  more_s: added to what suffices, so that slews are gentler.  stretch: times the
-    time there is, for slews that may take less than what suffices.
+    """Of a body.  more_s: added to what suffices, so that slews are gentler.  stretch_factor: times
+    the time there is, for slews that may take less than what suffices.
 
     Ends are states as `body_fits` takes them, (n, 11): a scan's entry that in which its line is
     joined, settle_s before it begins.
@@ -35,7 +35,7 @@ class Slews:
 
     platform: BodyPlatform
     more_s: float = 0.0
-    stretch: float = 1.0
+    stretch_factor: float = 1.0
 
     @cached_property
     def _limits(self) -> tuple[FollowerLimits, float]:
@@ -64,7 +64,7 @@ class Slews:
         sign: as of `slew_fits`."""
         left_s = np.asarray(ticks * TICK_S - self.settle_s - self.more_s + 1e-9, np.float64)
         limits, _ = self._limits
-        available_s = self.stretch * left_s
+        available_s = self.stretch_factor * left_s
         return np.asarray(_fit(exit_states, entry_states, before, after, limits, sign, available_s))
 
     def ticks(self, exit_states: Array, entry_states: Array) -> Indices:
