@@ -10,7 +10,6 @@ from planner.base import effort
 from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew, Refusal, SearchEnded, Unreachable
 from planner.base.rotation import Rotation
-from planner.planning.campaigns.platforms.body import moving_state
 from planner.planning.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose, choose_by_solving
@@ -87,7 +86,7 @@ def _within_session(
     initial_xyzw = session.request.initial_q_body_from_eci_xyzw
     if initial_xyzw is not None:
         at_rest = Rotation.from_quat([initial_xyzw] * count).inv()
-        initial = moving_state(at_rest, at_rest, at_rest)
+        initial = session.slews.states(lambda _: at_rest)
         there_s += session.slews.ticks(initial, idle[:count]) * TICK_S
     back_s = session.slews.ticks(exits, idle[count:]) * TICK_S - session.slews.settle_s
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)

@@ -17,8 +17,6 @@ from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.rotation import Rotation
 from planner.motion.attitude.track import pointed_quaternions
-from planner.planning.campaigns.platforms.body import OPTIONS as FOLLOWING
-from planner.planning.campaigns.platforms.body import moving_state
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S
@@ -115,10 +113,8 @@ class ImagingSession:
     def ends(self, arc: GroundArc | None, begins_s: Array, after_s: float) -> Array:
         """States as of `Slews`, so long after the scans of an arc begin, (n, 11); None: in orbital
         orientation."""
-        around_s = (-FOLLOWING.delta_s, 0.0, FOLLOWING.delta_s)
-        return moving_state(
-            *(self.q_eci_from_body(arc, begins_s, begins_s + after_s + s) for s in around_s)
-        )
+        t_s = begins_s + after_s
+        return self.slews.states(lambda more_s: self.q_eci_from_body(arc, begins_s, t_s + more_s))
 
     def entries(self, arc: GroundArc, begins_s: Array) -> Array:
         """In which lines are joined whose scans begin then."""

@@ -1,6 +1,7 @@
 """Slews between scans, of the times that suffice or are needed in a campaign of any body."""
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,10 +12,12 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import Motion
 from planner.base.compiled import compiled
 from planner.base.errors import InfeasibleSlew
+from planner.base.rotation import Rotation
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
-from planner.planning.campaigns.platforms.body import slew_limits
+from planner.planning.campaigns.platforms.body import OPTIONS as FOLLOWING
+from planner.planning.campaigns.platforms.body import moving_state, slew_limits
 from planner.planning.campaigns.platforms.slew_fits import (
     SUFFICIENT,
     FollowerLimits,
@@ -45,6 +48,12 @@ class Slews:
     def settle_s(self) -> float:
         """On a line before its scan begins."""
         return self.platform.envelope.settle_s
+
+    def states(self, q_eci_from_body_after: Callable[[float], Rotation]) -> Array:
+        """Of n attitudes, which are told some seconds later."""
+        return moving_state(
+            *(q_eci_from_body_after(s) for s in (-FOLLOWING.delta_s, 0.0, FOLLOWING.delta_s))
+        )
 
     @property
     def widest_ticks(self) -> int:
