@@ -316,7 +316,7 @@ def _nearest(joined: Joined, rows: Mapping[str, Mapping[str, int]]) -> Mapping[s
     nearest = {one: next(iter(own)) for one, own in rows.items()}
     best_rad = dict.fromkeys(rows, -math.inf)
     for carrier, looks in joined.carriers.items():
-        targets = [one for one, own in rows.items() if carrier in own]
+        targets = [one for one, own in rows.items() if carrier in own and len(own) > 1]
         highest_rad = looks.highest_rad([rows[one][carrier] for one in targets])
         for one, high_rad in zip(targets, highest_rad, strict=True):
             if high_rad > best_rad[one]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, inlined
 from planner.planning import label_search
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.label_search import (
@@ -143,6 +143,18 @@ def look_worth(network: Network, worth: Worth, cell: int, target: int, length: i
     return float(worth.value[target, length] * seen / takes)
 
 
+@inlined
+def _gain(
+    network: Network, worth: Worth, cell: int, target: int, length: int, begin_step: int
+) -> float:
+    """Of a look that ends at a cell, less its price and what it costs while it is held."""
+    value: float = look_worth(network, worth, cell, target, length) - worth.price[target]
+    if len(network.cost):
+        begin = begin_step + worth.settle_steps
+        value -= network.cost[begin + worth.held_steps[target, length]] - network.cost[begin]
+    return value
+
+
 @compiled
 def _look_until(
     labels: Labels,
@@ -157,12 +169,10 @@ def _look_until(
     lengths, target, is_seen = worth.value.shape[1], network.target[way], False
     for length in range(lengths):
         takes = worth.steps[target, length]
-        value = look_worth(network, worth, cell, target, length) - worth.price[target]
-        fits = 0 < takes <= step - network.first[way]
-        if fits and len(network.cost):
-            begin = step - takes + worth.settle_steps
-            value -= network.cost[begin + worth.held_steps[target, length]] - network.cost[begin]
-        if fits and value > 0.0 and network.begins[cell - takes]:
+        if not 0 < takes <= step - network.first[way] or not network.begins[cell - takes]:
+            continue
+        value = _gain(network, worth, cell, target, length, step - takes)
+        if value > 0.0:
             look = Visit(cell * lengths + length, target, WHOLE, value, step)
             is_seen |= visit(labels, (cell - takes,), cell + network.size, memory, look)
     return is_seen
@@ -200,10 +210,7 @@ def _look_once(
         takes = worth.steps[target, length]
         if not 0 < takes <= step - network.first[way] or not network.begins[cell - takes]:
             continue
-        value = look_worth(network, worth, cell, target, length) - worth.price[target]
-        if len(network.cost):
-            begin = step - takes + worth.settle_steps
-            value -= network.cost[begin + worth.held_steps[target, length]] - network.cost[begin]
+        value = _gain(network, worth, cell, target, length, step - takes)
         total = reached.value[cell - takes] + value
         if not value > 0.0 or reached.value[done] >= total - ROUNDING:
             continue

@@ -73,7 +73,7 @@ export function FateMap({ fates, chosen, onChoose, colours }: Props) {
             else alike.set(look, [k]);
           });
           const dots = [...alike].map(([key, numbers]) => {
-            const [first] = numbers.map((k) => drawn[k]);
+            const first = drawn[numbers[0] ?? 0];
             return (
               <Dots
                 key={key}

@@ -82,8 +82,8 @@ function cells(line: string, separator: string): string[] {
 
 /** Columns are a target's fields, "target.mode" and "roll.rule" too; others, such as a town's people, are left alone. */
 function ofRow(given: Record<string, unknown>, line: number): CampaignTarget {
-  const cells = Object.entries(given).filter(([, value]) => value !== undefined && value !== null && value !== "");
-  const row: Record<string, unknown> = Object.fromEntries(cells.map(([name, value]) => [HEADINGS[name] ?? name, value]));
+  const told = Object.entries(given).filter(([, value]) => value !== undefined && value !== null && value !== "");
+  const row: Record<string, unknown> = Object.fromEntries(told.map(([name, value]) => [HEADINGS[name] ?? name, value]));
   const numberOf = (name: string) => {
     const number = Number(row[name]);
     if (row[name] !== undefined && !Number.isFinite(number)) throw new NoTargets(line, name);
