@@ -62,8 +62,6 @@ class Carrier:
     """Tables over `span_s` seconds from `start_utc`, which all t_s count from.
 
     orbit: position, m, and inertial velocity, m/s, in ITRF axes, 6 columns.
-    bodies: the Sun and the Moon from the geocentre, m, light time and annual aberration included,
-    ITRF axes, 6 columns.
     platform: its first two axes, unit vectors, ITRF axes, 6 columns.  platform_turn_max_rad_s: how
     fast it turns in ITRF at most.
     The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
@@ -72,13 +70,19 @@ class Carrier:
     start_utc: datetime
     span_s: float
     orbit: UniformTable
-    bodies: UniformTable
     platform: UniformTable
     platform_turn_max_rad_s: float
 
     @cached_property
     def tables(self) -> CarrierTables:
         """The same for compiled code."""
+        bodies = _bodies_table(self.start_utc, self.span_s)
+        return self.tables_but_bodies._replace(body_step_s=bodies.step_s, bodies=bodies.powers)
+
+    @cached_property
+    def tables_but_bodies(self) -> CarrierTables:
+        """Without the Sun and the Moon, which would take a tenth of a search for few targets: their
+        places are NaN."""
         orbit, step_s = self.orbit.powers, self.orbit.step_s
         r_m, v_m_s = orbit[:, 0, :3], orbit[:, 1, :3] / step_s
         r2, rv, v2 = (
@@ -90,8 +94,8 @@ class Carrier:
             span_s=self.span_s,
             step_s=step_s,
             orbit=orbit,
-            body_step_s=self.bodies.step_s,
-            bodies=self.bodies.powers,
+            body_step_s=math.inf,
+            bodies=np.full((1, NODES, 6), math.nan),
             platform_step_s=self.platform.step_s,
             platform=self.platform.powers,
             turn_rad_s=self.platform_turn_max_rad_s,
@@ -110,7 +114,7 @@ class Carrier:
             [powers[:, 1, :3] / self.orbit.step_s, self.orbit.rate_at(last_s)[:, :3]]
         )
         cosine = np.minimum((np.arange(2 * SWEEP.leaps + 2) + 1.0) / SWEEP.leaps - 1.0, 1.0)
-        per_row_rad = self.tables.passing_rad_s * self.tables.step_s
+        per_row_rad = self.tables_but_bodies.passing_rad_s * self.orbit.step_s
         nearness = 1.0 / np.linalg.norm(r_m, axis=1, keepdims=True)
         return LeapRows(
             np.concatenate([r_m, v_m_s, nearness], axis=1), np.arccos(cosine) / per_row_rad
@@ -150,7 +154,6 @@ def carrier_over(
         start_utc=start_utc,
         span_s=span_s,
         orbit=UniformTable(span_s / cells, np.concatenate(orbit_itrf, axis=1)),
-        bodies=_bodies_table(start_utc, span_s),
         platform=UniformTable(step_s, axes_itrf[:, :2].reshape(-1, 6)),
         platform_turn_max_rad_s=float(turn_rad_s) / math.sqrt(2.0),
     )
@@ -181,7 +184,8 @@ def _perigee_rate_rad_s(states: OrbitStates) -> float:
 
 
 def _bodies_table(start_utc: datetime, span_s: float) -> UniformTable:
-    """As `Carrier.bodies`."""
+    """The Sun and the Moon from the geocentre, m, light time and annual aberration included, ITRF
+    axes, 6 columns."""
     motion, turned = (
         _evenly(start_utc, span_s, step_s)
         for step_s in (OPTIONS.body_eci_step_s, OPTIONS.body_step_s)

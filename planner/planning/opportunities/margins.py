@@ -74,6 +74,7 @@ _KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
     GLINT,
     LIGHT,
 ) = _KINDS[:-5]
+OF_SUN_AND_MOON = frozenset({SUN, SUN_AWAY, MOON_AWAY, GLINT, LIGHT})
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
 CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = _KINDS[-5:]

@@ -13,7 +13,13 @@ from planner.base.effort import at_most
 from planner.base.errors import SearchEnded
 from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.planning.opportunities.margins import CAUSES, NOTHING, asked_of, scene_of
+from planner.planning.opportunities.margins import (
+    CAUSES,
+    NOTHING,
+    OF_SUN_AND_MOON,
+    asked_of,
+    scene_of,
+)
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
 from planner.planning.opportunities.sights import Sight, in_sights, resting_sight, sights_of
@@ -207,7 +213,9 @@ def found_spans(
         asked = asked_of(
             conditions, lookout.causes, not sight.on_earth, across_rad, request.pixel_rad
         )
-        scene = scene_of(carrier.tables, lookout.reach, asked, sight.places)
+        sees_bodies = lookout.sees_bodies or OF_SUN_AND_MOON.intersection(asked.kinds.tolist())
+        tables = carrier.tables if sees_bodies else carrier.tables_but_bodies
+        scene = scene_of(tables, lookout.reach, asked, sight.places)
         shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)
         found = sweep(scene, carrier.rows, shortest_s, effort.remaining() / OPTIONS.look_rows)
         _count(found.looks)

@@ -81,6 +81,7 @@ class BodyLookout:
     angle_names = ("along_track", "across_track")
     has_branches = False
     rests_in_orbit = True
+    sees_bodies = True
     reach = ALONG_ACROSS
     causes: tuple[Cause, ...] = ()
 

@@ -49,10 +49,12 @@ class Lookout(Base, Protocol):
 
     reach: the axes whose angles windows tell, in the frame of the base.
     settle_s: on the track before a session.
+    sees_bodies: whether what it keeps hangs on the Sun or the Moon.
     """
 
     reach: Reach
     settle_s: float
+    sees_bodies: bool
 
     @property
     def angle_names(self) -> tuple[str, str]:

@@ -45,6 +45,7 @@ class TwoAxisLookout:
 
     has_branches = True
     settle_s = 0.0
+    sees_bodies = False
 
     def __init__(self, platform: AnyPlatform, attitude: AttitudeLaw | None) -> None:
         if not isinstance(platform, TwoAxisPlatform):
