@@ -90,9 +90,9 @@ quick: setup
 
 # What arithmetic decides, once more with another's: without the machine's wide vectors, in BLAS,
 # NumPy and libm alike, so that nothing hangs on the last digit of a sum.  (Numba, without fastmath,
-# rounds the same on all.)
+# rounds the same on all: of windows the worked answers are enough.)
 OF_ARITHMETIC := tests/published $(patsubst %,tests/oracles/test_%.py,telemetry telemetry_clock slew_optimum \
-	gimbal_angles uncertainty schedule_brute_force opportunities_exact) \
+	gimbal_angles uncertainty schedule_brute_force) \
 	$(patsubst %,tests/properties/test_%.py,horizon_estimate slews track opportunities targets_sky) \
 	tests/contracts/test_worked_answers.py
 # Of random slews, of clocks and of the spacecraft's sessions one sample is enough once more.

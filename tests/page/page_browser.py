@@ -1,4 +1,4 @@
-"""Debian's Chromium, without anything that asks the network of its own accord."""
+"""Debian's Chromium, without windows or anything that asks the network of its own accord."""
 
 import os
 import shutil
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from playwright.sync_api import Browser, sync_playwright
 
 _FLAGS = [
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 
@@ -16,7 +16,7 @@ _FLAGS = [
 @contextmanager
 def launched() -> Iterator[Browser]:
     """What SLEWTRACK_TEST_CHROMIUM names, or the one on the path."""
-    chromium = os.environ.get("SLEWTRACK_TEST_CHROMIUM") or shutil.which("chromium")
+    chromium = os.environ.get("SLEWTRACK_TEST_CHROMIUM") or shutil.which("chromium-headless-shell")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=_FLAGS)
         try:
