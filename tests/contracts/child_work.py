@@ -47,15 +47,20 @@ def note(request: bytes, *_: object) -> Result:
 
 
 def spin(*_: object) -> Result:
+    """Never ends, and uses a whole processor for it."""
     while True:
         pass
 
 
+def rest(*_: object) -> Result:
+    """Never ends either, and leaves the processor to others."""
+    while True:
+        time.sleep(3600.0)
+
+
 def hang(request: bytes, *_: object) -> Result:
-    """Never ends, and uses a whole processor for it."""
     note(request)
-    spin(request)
-    return made()
+    return rest()
 
 
 def die(request: bytes, *_: object) -> Result:

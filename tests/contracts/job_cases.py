@@ -17,6 +17,7 @@ from child_work import (
     linger,
     note,
     repeat,
+    rest,
     share_out,
     spin,
     tell,
@@ -44,7 +45,10 @@ class BoundsWithABug:
         raise RuntimeError(self.told)
 
 
-WORKS = (note, spin, hang, die, die_once, hang_once, linger, tell, dwell, fail, repeat, leave_out)
+WORKS = (
+    *(note, spin, rest, hang, hang_once, die, die_once, linger, tell, dwell, fail, repeat),
+    leave_out,
+)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,

@@ -42,8 +42,8 @@ def busy(tmp_path, monkeypatch):
     Its data are its own: a plan that never ends would keep the others' places.
     """
     file = tmp_path / "notes"
-    work = KINDS["spin"].work
-    hanging = JobKind(name="plan", bounds=KINDS["spin"].bounds, work=work, makes_plans=True)
+    work = KINDS["rest"].work
+    hanging = JobKind(name="plan", bounds=KINDS["rest"].bounds, work=work, makes_plans=True)
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
     settings = own_settings(tmp_path, workers=1, queue_max=1)
     with PatientClient(create_app(settings)) as client:

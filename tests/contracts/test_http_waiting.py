@@ -35,7 +35,7 @@ def plan_id(client):
 
 @pytest.mark.parametrize("kind", POSTS)
 def test_cancelled_while_waited_for(client, plan_id, monkeypatch, kind):
-    never_ends = replace(JOB_KINDS[kind], bounds=KINDS["spin"].bounds, work=KINDS["spin"].work)
+    never_ends = replace(JOB_KINDS[kind], bounds=KINDS["rest"].bounds, work=KINDS["rest"].work)
     monkeypatch.setitem(JOB_KINDS, kind, never_ends)
     path, kept, request = POSTS[kind]
     answers = []

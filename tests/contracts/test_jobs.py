@@ -193,7 +193,7 @@ def test_a_job_in_the_queue_is_cancelled_unbegun(database, tmp_path, notes):
 @pytest.mark.parametrize(
     ("work", "deadline_s", "state", "attempts", "problem"),
     [
-        ("hang", 2.0, "refused", 1, "too-demanding"),
+        ("spin", 2.0, "refused", 1, "too-demanding"),
         ("die_once", 120.0, "done", 2, None),
         ("die", 120.0, "failed", 3, "interrupted"),
     ],
@@ -208,7 +208,7 @@ def test_work_that_hangs_is_killed_and_work_whose_process_dies_is_begun_again(
     assert (found.state, found.attempts) == (state, attempts)
     assert (found.problem is None) == (problem is None)
     assert problem is None or found.problem["type"].endswith(problem)
-    if work == "hang":  # it may be killed before it notes itself
+    if work == "spin":
         assert "2 s" in found.problem["detail"]
     else:
         assert len(notes.pids()) == attempts

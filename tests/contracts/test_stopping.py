@@ -32,8 +32,8 @@ def client(tmp_path, monkeypatch):
     """Of a service whose plans never end."""
     hanging = JobKind(
         name="plan",
-        bounds=KINDS["spin"].bounds,
-        work=KINDS["spin"].work,
+        bounds=KINDS["rest"].bounds,
+        work=KINDS["rest"].work,
         makes_plans=True,
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
@@ -85,8 +85,8 @@ def test_streams_of_events_end(client):
     assert answer.status_code == 200
 
 
-def _spin(*_: object) -> None:
-    KINDS["spin"].work(b"")
+def _rest(*_: object) -> None:
+    KINDS["rest"].work(b"")
 
 
 def test_direct_answers_are_given_up(client, monkeypatch):
@@ -95,7 +95,7 @@ def test_direct_answers_are_given_up(client, monkeypatch):
 
     async def where_solved(request, task):
         begun.set()
-        return await real(request, replace(task, work=_spin))
+        return await real(request, replace(task, work=_rest))
 
     monkeypatch.setattr(search_routes, "where_solved", where_solved)
     example = OPPORTUNITY_EXAMPLES["cities"][1]
