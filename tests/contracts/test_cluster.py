@@ -80,13 +80,13 @@ def executor(scheduler):
     executor.close()
 
 
-def worker(scheduler, **how):
-    return running("slewtrack", "worker", "--scheduler", scheduler, "--solves", "2", **how)
+def worker(scheduler, solves=2, **how):
+    return running("slewtrack", "worker", "--scheduler", scheduler, "--solves", str(solves), **how)
 
 
 @pytest.fixture(scope="module")
 def a_worker(scheduler):
-    with worker(scheduler) as process:
+    with worker(scheduler, solves=3) as process:  # as many as one test hangs on it
         yield process
 
 
@@ -166,7 +166,7 @@ def test_errors_come_back_as_they_were(executor, a_worker, tmp_path):
         submitted(executor, "die", tmp_path / "notes").result(WITHIN_S)
     half_a_second = Bounds(deadline_s=0.5, memory_mib=200)
     with pytest.raises(TooDemanding):
-        submitted(executor, "hang", tmp_path / "hung", bounds=half_a_second).result(WITHIN_S)
+        submitted(executor, "spin", tmp_path / "none", bounds=half_a_second).result(WITHIN_S)
 
 
 def test_stopped_work_frees_the_worker(executor, a_worker, tmp_path):
@@ -179,71 +179,48 @@ def test_stopped_work_frees_the_worker(executor, a_worker, tmp_path):
     eventually(lambda: not alive(pid))
 
 
-def test_what_a_worker_was_at_is_done_by_another(executor, scheduler, a_worker, tmp_path):
-    """The first hangs and is killed with its machine, the second is told to end; each time the
-    next finds that it was begun."""
-    future = submitted(executor, "hang_once", tmp_path / "lost")
-    (pid,) = eventually(lambda: pids(tmp_path / "lost"))
-    a_worker.kill()
-    with worker(scheduler) as second:
-        assert future.result(WITHIN_S).state == "done"
-        assert not alive(pid)
-        assert len(pids(tmp_path / "lost")) == 2
-        future = submitted(executor, "hang_once", tmp_path / "told")
-        (pid,) = eventually(lambda: pids(tmp_path / "told"))
-        second.terminate()
-        assert second.wait(WITHIN_S) == 0
-        eventually(lambda: not alive(pid))
-    with worker(scheduler):
-        assert future.result(WITHIN_S).state == "done"
-    assert len(pids(tmp_path / "told")) == 2
-
-
-def test_windows_are_found_by_a_worker_and_by_another_where_it_is_lost(
-    client, scheduler, tmp_path, monkeypatch
+def test_what_a_worker_was_at_is_done_by_another(
+    client, executor, scheduler, a_worker, tmp_path, monkeypatch
 ):
-    asked = {"json": OPPORTUNITY_EXAMPLES["cities"][1]}
-    path = "/v1/opportunities?include=view"
-    here = client.post(path, **asked).json()
-    finding = partial(find_once_hung, os.fsencode(tmp_path / "lost"))
+    """A job, a search that is waited for and the looks of a fleet's carriers all hang on the first,
+    which is killed with its machine; the second is told to end.  Each time the next finds that it
+    was begun."""
+    path, asked = "/v1/opportunities?include=view", {"json": OPPORTUNITY_EXAMPLES["cities"][1]}
+    windows_here = client.post(path, **asked).json()
+    job_file, search_file, looks_file = (tmp_path / name for name in ("job", "search", "looks"))
+    finding = partial(find_once_hung, os.fsencode(search_file))
     monkeypatch.setattr(search_routes, "find_windows", finding)
-    settings = own_settings(tmp_path, dask_scheduler=scheduler, workers=1)
-    with (
-        PatientClient(create_app(settings)) as served,
-        ThreadPoolExecutor(1) as waiting,
-        worker(scheduler) as first,
-    ):
-        answer = waiting.submit(served.post, path, **asked)
-        (pid,) = eventually(lambda: pids(tmp_path / "lost"))
-        first.kill()
-        with worker(scheduler):
-            there = answer.result(WITHIN_S).json()
-        assert not alive(pid)
-    assert len(pids(tmp_path / "lost")) == 2
-    assert there["windows"] == here["windows"]
-    assert there["next"] == here["next"]
-
-
-def test_looks_of_carriers_are_found_by_a_worker_and_by_another_where_it_is_lost(
-    executor, scheduler, tmp_path, monkeypatch
-):
     body = (HERE.parents[1] / "examples" / "campaign_fleet.json").read_bytes()
     monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
-    lost = tmp_path / "lost"
-    given = [b"%s\n%s" % (bytes(lost), one) for one in carriers_apart(body)]
+    given = [b"%s\n%s" % (bytes(looks_file), one) for one in carriers_apart(body)]
     shares = replace(CAMPAIGN.shares, work=partial(find_looks_once, hang_once))
     places = Places(take=lambda: True, leave=lambda: None, most=0)
     sharing = Sharing(run_task=executor.run, places=places, attempts=1)
     task = Task(job_id="fleet", bounds=CAMPAIGN.bounds, work=choose, arguments=())
-    with worker(scheduler) as first:
-        found = THREADS.submit(sharing.make, shares, given, task, Stop())
-        (pid,) = eventually(lambda: pids(lost))
-        first.kill()
-        with worker(scheduler):
-            there = choose(body, None, found.result(WITHIN_S))
-    assert not alive(pid)
-    assert len(pids(lost)) == 4
-    assert there == choose(body)
+    settings = own_settings(tmp_path, dask_scheduler=scheduler, workers=1)
+    with PatientClient(create_app(settings)) as served:
+        job = submitted(executor, "hang_once", job_file)
+        search = THREADS.submit(served.post, path, **asked)
+        looks = THREADS.submit(sharing.make, shares, given, task, Stop())
+        files = (job_file, search_file, looks_file)
+        begun = [eventually(lambda file=file: pids(file))[0] for file in files]
+        a_worker.kill()
+        with worker(scheduler) as second:
+            assert job.result(WITHIN_S).state == "done"
+            windows_there = search.result(WITHIN_S).json()
+            campaign_there = choose(body, None, looks.result(WITHIN_S))
+            assert not any(map(alive, begun))
+            told = submitted(executor, "hang_once", tmp_path / "told")
+            (pid,) = eventually(lambda: pids(tmp_path / "told"))
+            second.terminate()
+            assert second.wait(WITHIN_S) == 0
+            eventually(lambda: not alive(pid))
+    with worker(scheduler):
+        assert told.result(WITHIN_S).state == "done"
+    assert [len(pids(file)) for file in (*files, tmp_path / "told")] == [2, 2, 4, 2]
+    assert windows_there["windows"] == windows_here["windows"]
+    assert windows_there["next"] == windows_here["next"]
+    assert campaign_there == choose(body)
 
 
 def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):
