@@ -1,4 +1,4 @@
-"""Every number that is a quantity says its unit, and every file states what it holds."""
+"""Every number that is a quantity says its unit."""
 
 import ast
 import re
@@ -100,9 +100,3 @@ def bare(path):
 def test_quantities_carry_their_unit():
     assert len(FILES) > 200
     assert [fault for path in FILES for fault in bare(path)] == []
-
-
-def test_every_file_says_what_it_is_for():
-    trees = {path: ast.parse(path.read_text()) for path in FILES}
-    untold = [path for path, tree in trees.items() if tree.body and not ast.get_docstring(tree)]
-    assert untold == []
