@@ -4,8 +4,6 @@ import json
 import subprocess
 import sys
 
-import pytest
-
 # Each takes a part of the second in which the service is to listen.
 LOADED_BY_WORK = {
     "alembic": "changes tables",
@@ -37,35 +35,23 @@ LOADED_BY_WORK = {
 }
 
 
-@pytest.mark.parametrize(
-    "loading",
-    [
-        "import app.http.serving; app.http.serving.create_app()",
-        "import app.cli",
-        "import slewtrack",
-    ],
-)
-def test_nothing_is_loaded_that_only_work_needs(loading: str) -> None:
+def loaded_by(code: str) -> set[str]:
     told = subprocess.run(
-        [sys.executable, "-c", f"{loading}\nimport json, sys; print(json.dumps([*sys.modules]))"],
+        [sys.executable, "-c", f"{code}\nimport json, sys; print(json.dumps([*sys.modules]))"],
         check=True,
         capture_output=True,
         text=True,
     )
-    assert not LOADED_BY_WORK.keys() & set(json.loads(told.stdout))
+    return set(json.loads(told.stdout))
+
+
+def test_nothing_is_loaded_that_only_work_needs() -> None:
+    """By none of the doors: the library, the command, the service."""
+    begun = "import slewtrack, app.cli, app.http.serving; app.http.serving.create_app()"
+    assert not LOADED_BY_WORK.keys() & loaded_by(begun)
 
 
 def test_all_that_work_needs_is_loaded_before_children_are_forked() -> None:
-    told = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "import app.work.preload, json, sys; print(json.dumps([*sys.modules]))",
-        ],
-        check=True,
-        capture_output=True,
-        text=True,
-    )
     # Pictures are drawn and filters made rarely: these wait until one is asked for.
     rare = {"alembic", "matplotlib", "scipy.signal", "stapi_pydantic"}
-    assert LOADED_BY_WORK.keys() - rare <= set(json.loads(told.stdout))
+    assert LOADED_BY_WORK.keys() - rare <= loaded_by("import app.work.preload")
