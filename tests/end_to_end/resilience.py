@@ -1,10 +1,11 @@
 """Every accepted job is finished or reported, once, whatever is killed in the middle.
 
-Rounds of one campaign each.  While it is chosen and planned, the service, one of its solver
-children or (--cluster) a Dask worker is killed with SIGKILL at random moments, and what a
-machine's supervisor would start again is started again.  Then the database is audited: the
-campaign is done; every pass has one last plan, every plan that is done is stored once and
-ended once; no look is lost: each is in a last plan or told as left out.
+Rounds of one campaign each.  While it is asked for, chosen and planned, the service, one of its
+solver children or (--cluster) a Dask worker is killed with SIGKILL at random moments, and what a
+machine's supervisor would start again is started again; no child outlives whom it works for.
+Then the database is audited: the campaign is there once and done; every pass has one last plan,
+every plan that is done is stored once and ended once; no look is lost: each is in a last plan or
+told as left out.
 
     OMP_NUM_THREADS=1 python tests/end_to_end/resilience.py [--rounds 20] [--targets 200]
         [--days 0.5] [--kills 3] [--cluster] [--seed 1]
@@ -15,6 +16,7 @@ The database must be this script's own.
 
 import argparse
 import contextlib
+import http.client
 import json
 import os
 import random
@@ -28,6 +30,7 @@ import urllib.error
 import urllib.request
 import zlib
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -141,11 +144,19 @@ class House:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(rng.choice(children), signal.SIGKILL)
             return "child"
-        name = rng.choice([name for name in self.running if name.startswith(kind)])
+        self.kill(rng.choice([name for name in self.running if name.startswith(kind)]))
+        return kind
+
+    def kill(self, name: str) -> None:
+        """Its children end by themselves; then it is started again."""
+        orphans = _grandchildren(self.running[name].pid)
         self.running[name].kill()
         self.running[name].wait()
+        until_s = time.monotonic() + PATIENCE_S
+        while any(map(_is_at_work, orphans)):
+            assert time.monotonic() < until_s, f"children outlive the {name}"
+            time.sleep(0.1)
         self._run(name)
-        return kind
 
     def end(self) -> None:
         for process in reversed(self.running.values()):
@@ -164,7 +175,7 @@ class House:
                     return json.load(answer)
             except urllib.error.HTTPError as error:
                 raise RuntimeError(f"{error.code}: {error.read()[:500]!r}") from error
-            except (OSError, ValueError):
+            except (OSError, ValueError, http.client.HTTPException):
                 if time.monotonic() > until_s:
                     raise
                 time.sleep(0.2)
@@ -179,9 +190,17 @@ class House:
 
 
 def _round(house: House, body: bytes, kills: int, rng: random.Random, key: str) -> list[str]:
-    """One campaign to its end; whom it lost on the way."""
+    """One campaign to its end; whom it lost on the way.
+
+    The service is killed as it is asked, too: who has no answer asks again under the same key.
+    """
     headers = {"Content-Type": "application/json", "Idempotency-Key": key}
-    accepted = house.ask("POST", "/v1/campaigns", body, **headers)
+    house.ask("GET", "/healthz")
+    with ThreadPoolExecutor(1) as thread:
+        asking = thread.submit(house.ask, "POST", "/v1/campaigns", body, **headers)
+        time.sleep(rng.uniform(0.0, 0.1))
+        house.kill("service")
+        accepted = asking.result()
     house.campaign_id = accepted["id"]
     victims = []
     moved, moved_s = 0, time.monotonic()
@@ -210,6 +229,8 @@ def _audited(house: House, name: str) -> dict[str, int]:
         document = results.document(connection, house.campaign_id)
         parts = jobs.parts_of(connection, house.campaign_id)
         assert whole is not None, name
+        [same] = [one for one in jobs.latest(connection, "campaign", 9) if one.name == whole.name]
+        assert same.id == whole.id, name
         assert whole.state == "done", (name, whole)
         assert document is not None, name
         choice = json.loads(zlib.decompress(document))
@@ -275,6 +296,14 @@ def campaign_body(targets: int, days: float, number: int) -> bytes:
 def _grandchildren(pid: int) -> list[int]:
     """Processes that the forkservers below a process have made."""
     return [grandchild for child in _children(pid) for grandchild in _children(child)]
+
+
+def _is_at_work(pid: int) -> bool:
+    """Whether it is more than an entry that nobody has read yet."""
+    try:
+        return "State:\tZ" not in Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
 
 
 def _children(pid: int) -> list[int]:
