@@ -18,6 +18,7 @@ from planner.planning.sessions.pipeline import make_plan
 from planner.spacecraft.plan import plan_imaging
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 2}
 
 
 def plan_stages(tell):
@@ -25,8 +26,7 @@ def plan_stages(tell):
 
 
 def spacecraft_stages(tell):
-    request = json.dumps(SPACECRAFT_EXAMPLES["geojson"][1]).encode()
-    plan_imaging(read_spacecraft_request(request), tell)
+    plan_imaging(read_spacecraft_request(json.dumps(STRIP).encode()), tell)
 
 
 def campaign_stages(tell):
@@ -71,8 +71,7 @@ def test_a_campaign_tells_value_and_bound_as_they_are_reached(name):
 
 
 def test_a_session_that_cannot_be_is_told_while_another_is_sought():
-    request = json.loads(json.dumps(SPACECRAFT_EXAMPLES["geojson"][1]))
-    request["stop"] = request["start"].replace("00Z", "30Z")
+    request = STRIP | {"stop": STRIP["start"].replace("00Z", "30Z")}
     told = []
     with pytest.raises(Refusal):
         plan_imaging(
