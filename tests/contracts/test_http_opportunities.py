@@ -8,7 +8,6 @@ from dataclasses import replace
 from datetime import datetime
 
 import pytest
-from skyfield.api import EarthSatellite, load, wgs84
 
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
@@ -54,19 +53,6 @@ def test_members(cities):
     likely = [window["probability_in_frame"] for window in cities["windows"] if window["session"]]
     assert all(0.0 <= one <= 1.0 for one in likely)
     assert likely
-
-
-def test_edges_are_those_of_skyfield(cities):
-    """The first pass over Las Vegas stands 30 deg high at its edges in Skyfield's sky too."""
-    orbit, target = CITIES["orbit"], CITIES["targets"][0]["target"]
-    satellite = EarthSatellite(orbit["line1"], orbit["line2"])
-    place = wgs84.latlon(target["latitude_deg"], target["longitude_deg"], target["height_m"])
-    timescale = load.timescale(builtin=True)
-    first = cities["windows"][0]
-    for edge in (first["rise"], first["set"]):
-        altitude, _, _ = (satellite - place).at(timescale.from_datetime(utc(edge))).altaz()
-        # 10 ms of UT1 and 10 m of polar motion, which its builtin tables lack
-        assert altitude.degrees == pytest.approx(30.0, abs=2e-3)
 
 
 def test_a_window_agrees_with_the_plan_made_in_it(client, cities):
@@ -151,9 +137,6 @@ def test_reasons_end_with_the_work_for_them(monkeypatch):
         ({"stop": "2015-03-31T12:00:00Z"}, "stop", "31 days"),
         ({"stop": "2015-02-27T12:00:00"}, "stop", "append Z"),
         ({"stop": "2015-02-27T11:00:00Z"}, "stop", "after start"),
-        ({"samples": 50_000}, "samples", "2..1000"),
-        ({"samples": 1}, "samples", "2..1000"),
-        ({"conditions": {"min_elevation_deg": 91.0}}, "conditions.min_elevation_deg", "0..90"),
         ({"conditions": {"sun_keepout_deg": 9.0}}, "conditions.sun_keepout_deg", "remove it"),
         ({"platform": "hubble"}, "platform", "iss-hrc"),
         ({"orbit": {"source": "oem", "content": "x"}}, "orbit.content", "line 1"),

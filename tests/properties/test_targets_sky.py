@@ -95,9 +95,6 @@ def test_a_hipparcos_number_is_the_star_of_its_coordinates():
         ({"hip": 11767, "ra_deg": 10.0}, "not both"),
         ({"hip": 11767, "parallax_mas": 10.0}, "already says parallax_mas"),
         ({"hip": 120405}, "give the star's ra_deg"),
-        ({"hip": -1}, "hip must lie in"),
-        ({"ra_deg": 10.0, "dec_deg": 91.0}, "dec_deg must lie in"),
-        ({"ra_deg": 10.0, "dec_deg": 9.0, "grazing_altitude_km": -1.0}, "grazing_altitude_km must"),
         (
             {"ra_deg": 1.0, "dec_deg": 9.0, "grazing_altitude_km": 0.0, "refraction": "standard"},
             "end on the ground",
@@ -109,7 +106,5 @@ def test_impossible_stars_are_refused(fields, says):
         StarTarget(**fields)
 
 
-def test_an_unknown_body_is_refused_and_case_does_not_matter():
-    with pytest.raises(ValueError, match="must be one of sun, moon"):
-        BodyTarget(name="Vulcan")
+def test_case_does_not_matter_in_the_name_of_a_body():
     assert BodyTarget(name="Jupiter").body_seen() == "jupiter"
