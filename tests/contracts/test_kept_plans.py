@@ -10,7 +10,7 @@ from sqlalchemy import update
 from waiting import PatientClient
 
 from app.http.app import create_app
-from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES
+from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.store.models import JobRow
 from app.work.view import DRAWN
@@ -96,8 +96,9 @@ def test_it_is_flown_and_compared(client, plan):
 
 def test_a_session_of_the_spacecraft(client):
     path = "/v1/spacecraft/plans"
-    made = post(client, path, FOUR_MODES | {"simulation_runs": 1})
-    request = FOUR_MODES | {
+    asked = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 1}
+    made = post(client, path, asked)
+    request = asked | {
         "name": HIDDEN,
         "simulation_runs": 10_000,
         "stop": "2024-06-02T10:10:00Z",

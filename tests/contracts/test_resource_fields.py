@@ -49,19 +49,25 @@ def test_what_makes_no_sense_is_refused_by_field(resources, told):
         read_plan_request(json.dumps(LAS_VEGAS | {"resources": resources}).encode())
 
 
+@pytest.fixture(scope="module")
+def of_body():
+    """A request with wheels, and its plan."""
+    ((request, plan),) = plans(seed=5, count=1, of="body")
+    return request, plan
+
+
 @pytest.mark.parametrize(
     ("platform", "told"),
     [("agile-cmg", "gyros turn it"), (PLATFORM | {"inertia_kg_m2": None}, "or its inertia_kg_m2")],
 )
-def test_wheels_are_refused_where_nothing_says_what_they_turn(platform, told):
-    ((request, _),) = plans(seed=5, count=1, of="body")
-    request |= {"platform": platform}
+def test_wheels_are_refused_where_nothing_says_what_they_turn(of_body, platform, told):
+    request, _ = of_body
     with pytest.raises(InvalidRequest, match="resources.momentum: must be left out .*" + told):
-        asked(request)
+        asked(request | {"platform": platform})
 
 
-def test_the_view_and_its_file_hold_all_levels():
-    ((_, plan),) = plans(seed=5, count=1, of="body")
+def test_the_view_and_its_file_hold_all_levels(of_body):
+    _, plan = of_body
     view = view_plan(plan, None, 0.678)
     written = VIEW_EXPORTERS["netcdf"].write(view, datetime(2026, 6, 1, tzinfo=UTC))
     with netcdf_file(io.BytesIO(written)) as file:
