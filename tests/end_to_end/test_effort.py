@@ -222,9 +222,15 @@ ABREAST = (GroundTarget(latitude_deg=33.45, longitude_deg=-112.07), SALT_LAKE, L
 SUN = KeepOut(body="sun", half_angle_deg=25.0)
 
 
-@pytest.mark.parametrize("slew", [SlewOptions(), QUICK, SlewOptions(keep_out=(SUN,))])
-@pytest.mark.parametrize("gap_s", [0.0, 0.2, 2.0])
-@pytest.mark.parametrize("place", ABREAST)
+SLEWS = (SlewOptions(), QUICK, SlewOptions(keep_out=(SUN,)))
+GAPS_S = (0.0, 0.2, 2.0)
+
+
+# Every place with every gap, and each of both with every slew.
+@pytest.mark.parametrize(
+    ("place", "gap_s", "slew"),
+    [(ABREAST[i], GAPS_S[j], SLEWS[(i + j) % 3]) for i in range(3) for j in range(3)],
+)
 def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
     """Within two seconds of a processor, most of them for what would help."""
     asked = scenario(
@@ -292,7 +298,7 @@ def refused_sequences(count):
 def test_advice_that_is_followed_plans():
     """With the session moved, and those left out that this costs; with each offer as it stands."""
     advised = 0
-    for asked, refusal in refused_sequences(16):
+    for asked, refusal in refused_sequences(10):
         if refusal.earliest_feasible_start_utc is not None:
             advised += 1
             number = int(refusal.field.split(".")[1])
@@ -309,7 +315,7 @@ def test_advice_that_is_followed_plans():
             assert make_plan(replace(asked, sessions=tuple(kept))).verification.passed
         for mode in {offer.on_conflict for offer in getattr(refusal, "relaxations", ())}:
             assert make_plan(replace(asked, on_conflict=mode)).verification.passed
-    assert advised >= 12
+    assert advised >= 7
 
 
 def test_a_start_that_costs_another_session_says_which():
