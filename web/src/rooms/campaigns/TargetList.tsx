@@ -11,6 +11,7 @@ import { Fields } from "../../parts/fields/Fields";
 import { membersTold, valueLabel } from "../../parts/fields/labels";
 import type { Members } from "../../parts/fields/shape";
 import { useKept } from "../../parts/kept";
+import { TypedNumber } from "../../parts/NumberField";
 import { RemoveButton } from "../../parts/RemoveButton";
 import { places } from "../planning/names";
 import { groundOf, schemaOfMode, textOf } from "../planning/target";
@@ -68,8 +69,10 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
                     ))}
                   </th>
                   <td>
-                    <Amount
-                      label={text.priorityOf(one.id)}
+                    <TypedNumber
+                      class="amount"
+                      step="any"
+                      aria-label={text.priorityOf(one.id)}
                       least={LEAST_PRIORITY}
                       value={one.priority ?? 1}
                       onValue={(priority) => change(number, { ...one, priority })}
@@ -192,8 +195,10 @@ function Length({ one, onTarget }: { one: CampaignTarget; onTarget: (next: Campa
   return (
     <>
       {least_s !== null && length_s !== null && least_s < length_s && `${least_s}–`}
-      <Amount
-        label={words.value.campaigns.lengthOf(one.id)}
+      <TypedNumber
+        class="amount"
+        step="any"
+        aria-label={words.value.campaigns.lengthOf(one.id)}
         least={0.2}
         value={length_s}
         onValue={(session_s) =>
@@ -201,30 +206,6 @@ function Length({ one, onTarget }: { one: CampaignTarget; onTarget: (next: Campa
         }
       />
     </>
-  );
-}
-
-interface AmountProps {
-  label: string;
-  least: number;
-  value: number | null;
-  onValue: (value: number) => void;
-}
-
-function Amount({ label, least, value, onValue }: AmountProps) {
-  return (
-    <input
-      type="number"
-      class="amount"
-      aria-label={label}
-      min={least}
-      step="any"
-      value={value ?? ""}
-      onChange={(event) => {
-        const typed = event.currentTarget.valueAsNumber;
-        if (typed >= least) onValue(typed);
-      }}
-    />
   );
 }
 

@@ -1,6 +1,6 @@
 /** The weight of each quality of a view in the value of an observation. */
 import { words } from "../../i18n";
-import { Field } from "../../parts/Field";
+import { NumberField } from "../../parts/NumberField";
 import type { CampaignRequest } from "./campaign";
 
 type View = NonNullable<CampaignRequest["view"]>;
@@ -15,22 +15,15 @@ export function Weights({ view, onView }: { view: View; onView: (view: View) => 
       <h2 id="campaign-weights">{text.weights}</h2>
       <div class="weights">
         {WEIGHTS.map((name) => (
-          <Field key={name} label={text.weight[name]}>
-            {(control) => (
-              <input
-                {...control}
-                type="number"
-                min={0}
-                max={10}
-                step={0.1}
-                value={view[name] ?? UNLESS_GIVEN[name]}
-                onChange={(event) => {
-                  const weight = event.currentTarget.valueAsNumber;
-                  if (weight >= 0 && weight <= 10) onView({ ...view, [name]: weight });
-                }}
-              />
-            )}
-          </Field>
+          <NumberField
+            key={name}
+            label={text.weight[name]}
+            least={0}
+            most={10}
+            step={0.1}
+            value={view[name] ?? UNLESS_GIVEN[name]}
+            onValue={(weight) => onView({ ...view, [name]: weight })}
+          />
         ))}
       </div>
       <p class="hint">{text.weightsHint}</p>

@@ -1,7 +1,7 @@
 /** Conditions of a look beside its time: elevation, Sun and off-nadir angle. */
 import { words } from "../../i18n";
 import { number, rfc3339 } from "../../i18n/forms";
-import { Field } from "../../parts/Field";
+import { NumberField } from "../../parts/NumberField";
 import { UtcField } from "../../parts/UtcField";
 import type { AskedCampaign } from "./campaign";
 
@@ -30,42 +30,29 @@ export function WhenAndHow({ request, onChange }: Props) {
         <UtcField label={text.stop} value={stop} onValue={(stop) => onChange({ stop })} />
       </div>
       <div class="weights">
-        <Field label={text.days}>
-          {(control) => (
-            <input
-              {...control}
-              type="number"
-              min={0.01}
-              max={31}
-              step="any"
-              value={Number.isFinite(days) ? Number(days.toFixed(3)) : ""}
-              onChange={(event) => {
-                const typed = event.currentTarget.valueAsNumber;
-                if (typed > 0) onChange({ stop: rfc3339(Date.parse(start) + typed * DAY_MS) });
-              }}
-            />
-          )}
-        </Field>
+        <NumberField
+          label={text.days}
+          least={0.01}
+          most={31}
+          step="any"
+          value={Number.isFinite(days) ? Number(days.toFixed(3)) : null}
+          onValue={(days) => onChange({ stop: rfc3339(Date.parse(start) + days * DAY_MS) })}
+        />
         {ANGLES.map(({ name, least, most }) => (
-          <Field key={name} label={text.conditions[name]}>
-            {(control) => (
-              <input
-                {...control}
-                type="number"
-                min={least}
-                max={most}
-                step="any"
-                placeholder={text.any}
-                value={conditions[name] ?? ""}
-                onChange={(event) => {
-                  const typed = event.currentTarget.valueAsNumber;
-                  const { [name]: _, ...others } = conditions;
-                  if (Number.isNaN(typed)) onChange({ conditions: others as Conditions });
-                  else if (typed >= least && typed <= most) onChange({ conditions: { ...conditions, [name]: typed } });
-                }}
-              />
-            )}
-          </Field>
+          <NumberField
+            key={name}
+            label={text.conditions[name]}
+            least={least}
+            most={most}
+            step="any"
+            placeholder={text.any}
+            value={conditions[name] ?? null}
+            onValue={(angle_deg) => onChange({ conditions: { ...conditions, [name]: angle_deg } })}
+            onClear={() => {
+              const { [name]: _, ...others } = conditions;
+              onChange({ conditions: others as Conditions });
+            }}
+          />
         ))}
       </div>
     </>
