@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -44,13 +43,12 @@ class ChoiceOptions:
     """How long prices, mixtures and parts of a campaign's choice are searched."""
 
     gap_enough: float = 1e-3  # share of the bound: nobody weighs targets to a thousandth
-    # Measured by bench/campaign.py --targets 559 --days 5 --sun 10 --ground-sample 0, the hardest
-    # kind: all views worth the same.  After 200 steps the bound is 0.4 % above the mixture's
-    # value, after 300 0.2 %; five mixtures bring it to 0.1 % and cost as much as 150 steps.
-    steps_max: int = 100
-    step_shrinks: float = 0.98  # of Polyak's, from one to the next
-    # steps between whole choices at the prices reached: each costs as much as some steps
-    fill_every: int = 25
+    # Measured with five small satellites, 2,000 targets and a day: after 50 steps with a choice
+    # every 10 the bound is 0.05 % lower than after 100 with one every 25, which take twice as long:
+    # what steps aim at is the value of the best choice.  Mixtures do the rest.
+    steps_max: int = 50
+    step_shrinks: float = 0.96  # of Polyak's, from one to the next
+    fill_every: int = 10  # steps between whole choices at the prices reached
     # programmes over all proposals, cheaper than steps where targets are many
     mixtures_max: int = 40
     mixture_enough: float = 1e-3  # share of the bound, as for the gap
@@ -194,31 +192,19 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    choice, _ = found_by(
-        lambda held: Search(networks, looking, held, options), first_unheld, tell, prove
-    )
-    return choice
+    search = Search(networks, looking, first_unheld, options)
+    return found_by(search, tell, prove)
 
 
-Found = TypeVar("Found", bound="Search")
-
-
-def found_by(
-    begun: Callable[[FirstUnheld], Found],
-    first_unheld: FirstUnheld,
-    tell: Reporter,
-    prove: Prove | None = None,
-) -> tuple[CampaignChoice, Found]:
-    """The choice of a search, and the search whose prices it has.  begun: among looks so held.
+def found_by(search: "Search", tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
+    """The choice of a search.
 
     prove: the bound at prices, told as soon as these are found.
     """
-    search = begun(first_unheld)
     greedy_value = search.begin()
     search.take_groups()
     mixture = search.find_prices(tell)
-    has_prices = search.bounds_apart or not search.was_barred  # else they are found anew below
-    if prove is not None and has_prices:
+    if prove is not None:
         tell("bound", 0, 1, value=search.value)
         tell("bound", 1, 1, value=search.value, bound=prove(search.price))
     if mixture is not None:
@@ -226,19 +212,13 @@ def found_by(
         search.put_together(tell)
     search.take_groups()
     search.fill_exactly()
-    priced = search
-    if search.was_barred and not search.bounds_apart:
-        # The bound's networks are not: its prices are found without.
-        priced = begun(lambda looks: None)
-        priced.find_prices(tell)
-    choice = CampaignChoice(
+    return CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
         greedy_value=greedy_value,
-        price=priced.price,
-        row_price=priced.row_price,
+        price=search.price,
+        row_price=search.row_price,
     )
-    return choice, priced
 
 
 def refill(
@@ -258,7 +238,7 @@ class Search:
     """The best choice so far, the best prices, and what was proposed on the way.
 
     price: of each target's observation, at which the bound is least as far as known.  row_price: of
-    further rows likewise.  bounds_apart: whether what bounds it is no path that it takes.
+    further rows likewise.
     """
 
     def __init__(
@@ -280,8 +260,7 @@ class Search:
         self._bound = float(looking.look_limit @ self.price)
         self._kept = 1.0 + self._bound  # a look of so much more is given up for nothing
         self._proposed: dict[Proposal, None] = {}
-        self.bounds_apart = options.priced_labels_max > 0
-        self.was_barred = False
+        self._holds = False  # whether paths that passes take at prices are such as can be held
         self._is_priced = False
 
     def begin(self) -> float:
@@ -298,7 +277,7 @@ class Search:
     def step_prices(self, tell: Reporter) -> None:
         """Towards the prices at which the bound is least; improves the choice on the way."""
         looking = self._looking
-        price = np.zeros_like(self.price)
+        price, latest = np.zeros_like(self.price), self._options.proposals_a_pass
         for done in range(self._options.steps_max):
             tell("choosing", done, self._options.steps_max, value=self.value)
             bound, passes = self._answer_prices(price)
@@ -308,9 +287,11 @@ class Search:
             is_single = looking.group < 0
             wanted[(wanted < 0.0) & (price <= 0.0) & is_single] = 0.0
             square = float(wanted @ wanted)
-            if square == 0.0 or self._is_near():
+            if self._is_near() or (square == 0.0 and self._holds):
                 return
-            step = self._options.step_shrinks**done * (bound - self.value) / square
+            # Whether looks can be held takes longer to tell than to find them: only of proposals.
+            self._holds |= square == 0.0 or done + latest >= self._options.steps_max
+            step = self._options.step_shrinks**done * (bound - self.value) / max(square, 1.0)
             price = price + step * wanted
             price[is_single] = np.maximum(price[is_single], 0.0)
 
@@ -320,6 +301,7 @@ class Search:
             self._options.proposals_a_pass * len(self._networks), self._options.proposals_least
         )
         found: tuple[Mixture, list[Proposal]] | None = None
+        self._holds = True
         if self._options.priced_labels_max:  # what steps found bounds nothing
             self._is_priced, self._bound = True, np.inf
             self._answer_prices(self.price)
@@ -419,7 +401,6 @@ class Search:
             unheld = self._first_unheld(path.looks)
             if unheld is None:
                 return path
-            self.was_barred = True
             place, last_step = unheld
             look = path.looks[place]
             way, *before = (
@@ -435,6 +416,9 @@ class Search:
 
     def _priced_path(self, number: int, worth: Worth) -> tuple[float, Path]:
         """Of a pass, and what none of its paths is worth more than."""
+        if not self._holds:
+            path = best_path(self._free[number], self._looking.settled(worth, number))
+            return path.value, path
         if not self._is_priced:
             path = self._held_path(number, worth)
             return path.value, path
@@ -473,7 +457,7 @@ class Search:
         lagrangian += sum(most for most, _ in answers)
         for number, looks in enumerate(passes):
             self._proposed.pop((number, looks), None)  # the latest come last
-            if looks:
+            if looks and self._holds:
                 self._proposed[number, looks] = None
         if lagrangian < self._bound:
             self._bound, self.price = lagrangian, price

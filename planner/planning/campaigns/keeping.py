@@ -74,12 +74,9 @@ def choose_keeping(
     free = choose(networks, looking, tell_stage, first_unheld, options)
     if keeping.keeps(free.passes):
         return free, ()
-    choice, priced = found_by(
-        lambda held: _KeepingSearch(networks, looking, held, options, keeping, free),
-        first_unheld,
-        tell,
-    )
-    return choice, tuple(priced.rows[: len(priced.row_price)])
+    search = _KeepingSearch(networks, looking, first_unheld, options, keeping, free)
+    choice = found_by(search, tell)
+    return choice, tuple(search.rows[: len(choice.row_price)])
 
 
 def bound_keeping(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled, inlined
 from planner.planning import label_search
 from planner.planning.campaigns.network import NEVER, Network
@@ -92,23 +92,25 @@ def exact_path(network: Network, worth: Worth, labels_max: int, kept: Sequence[i
 
 def _path_of(network: Network, worth: Worth, value: float, visits: Indices) -> Path:
     """visits: as of `Round`."""
-    cell, length = np.divmod(visits[:, 0], worth.value.shape[1])
-    target = visits[:, 1]
-    way = np.searchsorted(network.offset, cell, side="right") - 1
-    settled_steps = worth.steps[target, length]
-    step = cell - network.offset[way] + network.first[way] - settled_steps + worth.settle_steps
-    # As `look_worth`, of all at once: a call from here takes longer than the sweep does for a look.
-    takes = np.maximum(settled_steps - worth.settle_steps, 1)
-    seen = network.quality_sum[cell] - network.quality_sum[np.maximum(cell - takes, 0)]
-    looks = zip(
-        target.tolist(),
-        network.way[way].tolist(),
-        (network.first_step + step).tolist(),
-        length.tolist(),
-        (worth.value[target, length] * seen / takes).tolist(),
-        strict=True,
-    )
-    return Path(value=value, looks=tuple(Look(*one) for one in looks))
+    numbers, values = _looks_of(network, worth, visits)
+    looks = zip(*numbers.tolist(), values.tolist(), strict=True)
+    return Path(value=value, looks=tuple(map(Look._make, looks)))
+
+
+@compiled
+def _looks_of(network: Network, worth: Worth, visits: Indices) -> tuple[Indices, Array]:
+    """Whole numbers of looks as `Look` has them, (4, looks), and the values."""
+    numbers, values = np.empty((4, len(visits)), np.intp), np.empty(len(visits))
+    for n in range(len(visits)):
+        cell, length = divmod(visits[n, 0], worth.value.shape[1])
+        target = visits[n, 1]
+        way = np.searchsorted(network.offset, cell, side="right") - 1
+        begin = cell - network.offset[way] + network.first[way] - worth.steps[target, length]
+        numbers[0, n], numbers[1, n] = target, network.way[way]
+        numbers[2, n] = network.first_step + begin + worth.settle_steps
+        numbers[3, n] = length
+        values[n] = look_worth(network, worth, cell, target, length)
+    return numbers, values
 
 
 def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float, Path]:
@@ -153,6 +155,16 @@ def _gain(
         begin = begin_step + worth.settle_steps
         value -= network.cost[begin + worth.held_steps[target, length]] - network.cost[begin]
     return value
+
+
+@compiled
+def _of_use(network: Network, worth: Worth) -> Mask:
+    """Ways on which the longest look at the best view is worth more than its price, (w,)."""
+    is_of_use = np.empty(len(network.way), np.bool_)
+    for way in range(len(network.way)):
+        target = network.target[way]
+        is_of_use[way] = worth.value[target].max() > worth.price[target]
+    return is_of_use
 
 
 @compiled
@@ -264,6 +276,7 @@ def _sweep_once(network: Network, worth: Worth) -> tuple[float, Indices]:
     )
     reached.value[start] = 0.0
     _come(reached, start, home)
+    is_of_use = _of_use(network, worth)
     for step in range(end):
         if step > 0:
             _come(reached, rest + step - 1, rest + step)
@@ -271,7 +284,7 @@ def _sweep_once(network: Network, worth: Worth) -> tuple[float, Indices]:
             steps = step - network.first[way]
             if steps < 0:
                 break
-            if step > network.last[way]:
+            if step > network.last[way] or not is_of_use[way]:
                 continue
             cell = network.offset[way] + steps
             done = cell + size
@@ -311,6 +324,7 @@ def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, 
     start, home = rest + end, rest + end + 1
     labels = no_labels(home + 1, start, memory)
     follow(labels, start, (home,), memory.none, False)
+    is_of_use = _of_use(network, worth)
     for step in range(end):
         mask = memory.tick_mask[step]
         if step > 0:
@@ -319,7 +333,7 @@ def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, 
             steps = step - network.first[way]
             if steps < 0:
                 break
-            if step > network.last[way]:
+            if step > network.last[way] or not is_of_use[way]:
                 continue
             cell = network.offset[way] + steps
             done = cell + size

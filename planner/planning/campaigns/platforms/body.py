@@ -98,7 +98,7 @@ class BodyFollower:
         self.slew_limits, self.longest_slew_s = slew_limits(platform)
         self.settle_s = platform.envelope.settle_s
         self.rest_s = math.ceil((self.longest_slew_s + self.settle_s) * ROWS_PER_S) / ROWS_PER_S
-        self._alone: dict[int, tuple[Tracking, Sight]] = {}
+        self._seen_as: dict[int, tuple[Tracking, Sight, int]] = {}
 
     def carrier(self, ephemeris: Ephemeris) -> Carrier:
         return carrier_over(ephemeris, self._lookout, self._request.start, self._request.stop)
@@ -150,15 +150,15 @@ class BodyFollower:
             before = self._lying(FollowedLook(None, 0.0, 0.0, self.start_state(carrier, 0.0)))
             before_s = 0.0
         for place, one in enumerate(looks):
-            seen = None if one.row is None else self._seen_alone(carrier, one.row)
+            seen = None if one.row is None else self._seen(carrier, one.row)
             if seen is not None and seen[0].roll == NEAREST:
-                tracking, sight = seen
+                tracking, sight, number = seen
                 idle = tracking.idle, tracking.idle_step_s, before_s
                 unheld_s, before = carried_session(
                     tracking,
                     carrier.tables,
                     sight.places,
-                    0,
+                    number,
                     (one.start_s - self.settle_s, one.stop_s),
                     before_s,
                     before or (unit(vector_at(*idle, 0)), vector_at(*idle, 3)),
@@ -218,14 +218,20 @@ class BodyFollower:
             slew=replace(slew, lead=lead),
         )
 
-    def _seen_alone(self, carrier: Carrier, row: int) -> tuple[Tracking, Sight]:
-        if row not in self._alone:
-            wanted = self._request.targets[row]
-            assert not isinstance(wanted.target, ImagingMode)
-            seen_as = OpportunityTarget(id=wanted.id, target=wanted.target, roll=wanted.roll)
-            [(_, sight, _)] = in_sights(np.zeros(1, np.intp), [seen_as], carrier)
-            self._alone[row] = self._lookout.tracking(sight), sight
-        return self._alone[row]
+    def _seen(self, carrier: Carrier, row: int) -> tuple[Tracking, Sight, int]:
+        """How a target is looked at, with those that are seen alike, and its number among them."""
+        if row not in self._seen_as:
+            targets = [
+                (row, OpportunityTarget(id=wanted.id, target=wanted.target, roll=wanted.roll))
+                for row, wanted in enumerate(self._request.targets)
+                if not isinstance(wanted.target, ImagingMode)
+            ]
+            number = np.arange(len(targets))
+            for found, sight, which in in_sights(number, [one for _, one in targets], carrier):
+                tracking = self._lookout.tracking(sight)
+                for n, own in zip(found.tolist(), which.tolist(), strict=True):
+                    self._seen_as[targets[n][0]] = tracking, sight, own
+        return self._seen_as[row]
 
     def _lying(self, look: FollowedLook) -> tuple[Vector, Vector]:
         """Boresight and +X of the camera at a look's end, ITRF."""
