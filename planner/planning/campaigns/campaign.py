@@ -27,7 +27,7 @@ from planner.planning.campaigns.chosen import (
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.fleet import FleetRequest
 from planner.planning.campaigns.flown import resources_left
-from planner.planning.campaigns.joined import Joined, joined_of
+from planner.planning.campaigns.joined import Joined, Relaxed, joined_of
 from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
@@ -169,7 +169,7 @@ def choose_together(
 
     def prove(price: Array) -> float:
         if (at := price.tobytes()) not in proven:
-            proven[at] = bound_at(joined.relaxed(), looking, price)
+            proven[at] = bound_at(Relaxed(joined), looking, price)
         return proven[at]
 
     choice, rows = choose_keeping(
@@ -177,7 +177,7 @@ def choose_together(
     )
     tell("proof", 0, 1, value=choice.value)
     if keeping is not None and rows:
-        bound = bound_keeping(keeping, joined.relaxed(), looking, choice, rows)
+        bound = bound_keeping(keeping, Relaxed(joined), looking, choice, rows)
     else:
         bound = prove(choice.price)
     bound = max(bound, choice.value)

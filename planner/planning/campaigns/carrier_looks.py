@@ -89,14 +89,10 @@ class CarrierLooks:
             min(look_stop_s + rest_s, last_row_s(self.request)),
         )
 
-    def relaxed(self) -> list[Network]:
-        """The networks at slew times that nothing can beat."""
-        return [
-            self.gaps.keep(one, self.shortest)
-            for one in done_at_once(
-                lambda one: relax(one, self.ways, self.shortest, self.slewing), self.networks
-            )
-        ]
+    def relaxed(self, number: int) -> Network:
+        """A network at slew times that nothing can beat."""
+        relaxed = relax(self.networks[number], self.ways, self.shortest, self.slewing)
+        return self.gaps.keep(relaxed, self.shortest)
 
     def first_unheld(self, looks: tuple[Look, ...]) -> tuple[int, int] | None:
         """Of looks at its candidates by its ways, as `FirstUnheld`."""

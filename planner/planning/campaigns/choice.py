@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -36,6 +37,14 @@ Prove = Callable[[Array], float]
 
 
 Passes = list[tuple[Look, ...]]
+
+
+class Networks(Protocol):
+    """Of all passes, by their number."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, number: int, /) -> Network: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -277,7 +286,7 @@ class Search:
     def step_prices(self, tell: Reporter) -> None:
         """Towards the prices at which the bound is least; improves the choice on the way."""
         looking = self._looking
-        price, latest = np.zeros_like(self.price), self._options.proposals_a_pass
+        price = np.zeros_like(self.price)
         for done in range(self._options.steps_max):
             tell("choosing", done, self._options.steps_max, value=self.value)
             bound, passes = self._answer_prices(price)
@@ -289,8 +298,10 @@ class Search:
             square = float(wanted @ wanted)
             if self._is_near() or (square == 0.0 and self._holds):
                 return
-            # Whether looks can be held takes longer to tell than to find them: only of proposals.
-            self._holds |= square == 0.0 or done + latest >= self._options.steps_max
+            # Whether looks can be held takes longer to tell than to find them: of the latest alone.
+            self._holds |= (
+                square == 0.0 or done + self._options.proposals_a_pass >= self._options.steps_max
+            )
             step = self._options.step_shrinks**done * (bound - self.value) / max(square, 1.0)
             price = price + step * wanted
             price[is_single] = np.maximum(price[is_single], 0.0)
@@ -646,7 +657,7 @@ class Search:
 
 
 def bound_at(
-    networks: Sequence[Network],
+    networks: Networks,
     looking: Looking,
     price: Array,
     options: ChoiceOptions = OPTIONS,

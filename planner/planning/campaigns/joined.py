@@ -1,7 +1,7 @@
 """Looks of several carriers under one choice: a target is one, whoever looks at it."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -44,20 +44,15 @@ class Joined:
     @cached_property
     def networks(self) -> list[Network]:
         """Of all passes, by `order`."""
-        return self._in_order([looks.networks for looks in self.looks_by_carrier])
+        return [self.numbered(*one, lambda looks, n: looks.networks[n]) for one in self.order]
 
-    def relaxed(self) -> list[Network]:
-        """The same at slew times that nothing can beat."""
-        return self._in_order([looks.relaxed() for looks in self.looks_by_carrier])
-
-    def _in_order(self, networks: Sequence[Sequence[Network]]) -> list[Network]:
-        return [
-            own._replace(
-                way=own.way + self.first_way[carrier], target=self.numbers[carrier][own.target]
-            )
-            for carrier, number in self.order
-            for own in [networks[carrier][number]]
-        ]
+    def numbered(
+        self, carrier: int, number: int, made: Callable[[CarrierLooks, int], Network]
+    ) -> Network:
+        """A carrier's network, with the numbers of all."""
+        own = made(self.looks_by_carrier[carrier], number)
+        way, target = own.way + self.first_way[carrier], self.numbers[carrier][own.target]
+        return own._replace(way=way, target=target)
 
     @cached_property
     def seen(self) -> frozenset[int]:
@@ -150,6 +145,20 @@ class Joined:
         is_hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
         value: Array = looking.look_value * is_hopeful[:, None]
         return replace(looking, look_value=value)
+
+
+class Relaxed:
+    """Networks at slew times that nothing can beat, made as they are asked for: together they take
+    as much room as all others."""
+
+    def __init__(self, joined: Joined) -> None:
+        self._joined = joined
+
+    def __len__(self) -> int:
+        return len(self._joined.order)
+
+    def __getitem__(self, number: int) -> Network:
+        return self._joined.numbered(*self._joined.order[number], CarrierLooks.relaxed)
 
 
 def joined_of(carriers: Mapping[str, CarrierLooks]) -> Joined:

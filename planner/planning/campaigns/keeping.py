@@ -14,6 +14,7 @@ from planner.planning.campaigns.choice import (
     ChoiceOptions,
     FirstUnheld,
     Looking,
+    Networks,
     Passes,
     Prove,
     Search,
@@ -81,7 +82,7 @@ def choose_keeping(
 
 def bound_keeping(
     keeping: Keeping,
-    networks: Sequence[Network],
+    networks: Networks,
     looking: Looking,
     choice: CampaignChoice,
     rows: Sequence[RoomStretch],

@@ -15,6 +15,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import ResourceRunsOut, figures
+from planner.planning.campaigns.choice import Networks
 from planner.planning.campaigns.chosen import KeptResource
 from planner.planning.campaigns.displaced import Displaced
 from planner.planning.campaigns.joined import Joined
@@ -329,11 +330,11 @@ class Keeping:
         return moved - float(more[1] - more[0])
 
     def priced(
-        self, networks: Sequence[Network], rows: Sequence[RoomStretch], row_price: Array
+        self, networks: Networks, rows: Sequence[RoomStretch], row_price: Array
     ) -> tuple[list[Network], list[float], float]:
         """The networks with what looks pay, what each pass with any look pays beside, and the worth
         of all room."""
-        dear = [self.paying(n, one, rows, row_price) for n, one in enumerate(networks)]
+        dear = [self.paying(n, networks[n], rows, row_price) for n in range(len(networks))]
         rents = [
             sum(
                 price * self._fixed(number, one)
