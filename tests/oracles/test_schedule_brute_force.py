@@ -193,6 +193,8 @@ def test_a_group_that_lacks_a_target_is_left_out():
     assert "far" in [one.target for one in campaign.unseen]
     [alone] = [one for one in campaign.left_out if one.target == "4"]
     assert "its group pair lacks far" in alone.because
+    # With whatever stands beside it left out, it would lack as much.
+    assert (alone.displaced_by, alone.displaced_value) == ((), 0.0)
     assert campaign.bound < 50.0
 
 

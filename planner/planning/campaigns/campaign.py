@@ -352,14 +352,15 @@ def _unchosen(
     candidate = candidates[one.target]
     request = looks.request
     start_utc = shifted_utc(request.start, looks.grid_s + one.first_step * request.step_s)
-    ids = tuple(dict.fromkeys(candidates[look.target].wanted.id for look in one.by))
-    displaced_value = sum((look.value for look in one.by), 0.0)
     group = candidate.wanted.group
     lacks = [
         candidates[number].wanted.id
         for number in (() if group is None else unseen)
         if candidates[number].wanted.group == group
     ]
+    by = () if lacks else one.by  # without these its group would lack as much
+    ids = tuple(dict.fromkeys(candidates[look.target].wanted.id for look in by))
+    displaced_value = sum((look.value for look in by), 0.0)
     what = "a look"
     if out is not None:
         what = f"a scan of {candidate.scans[0].parts}" if candidate.is_part else what
