@@ -1,7 +1,7 @@
 """With time to spare the axes brake, wait and slew within every limit, and rest in the end."""
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -188,13 +188,15 @@ def test_slow_stretches_of_a_slew_are_those_of_the_quintic():
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-3)
 
 
-@pytest.mark.parametrize("method", ["ocp", "spline"])
-@pytest.mark.parametrize("objective", ["smooth", "minimum_time"])
-@pytest.mark.parametrize("lead", ["all", BoundedLead(), BoundedLead(max_duration_s=60.0)], ids=str)
+ENDS = ("rest", FinalAngles(park="zero"), FinalAngles(angles_deg={"alpha": -30.0, "beta": 50.0}))
+LEADS = ("all", BoundedLead(), BoundedLead(max_duration_s=60.0))
+HOW = list(product(("smooth", "minimum_time"), ("ocp", "spline")))
+
+
+# Each two of them meet, and every end each way of slewing.
 @pytest.mark.parametrize(
-    "final",
-    ["rest", FinalAngles(park="zero"), FinalAngles(angles_deg={"alpha": -30.0, "beta": 50.0})],
-    ids=["rest", "park", "angles"],
+    ("final", "lead", "objective", "method"),
+    [(ENDS[i], LEADS[(i + k) % 3], *how) for i in range(3) for k, how in enumerate(HOW)],
 )
 def test_the_table_ends_at_rest_where_it_was_asked_to(final, lead, objective, method):
     slew = SlewOptions(method=method, objective=objective, lead=lead, filter_cutoff_hz=None)
