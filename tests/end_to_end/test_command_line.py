@@ -14,14 +14,9 @@ from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.base.errors import VerificationFailed
 from planner.output.export import EXPORTERS
 
-SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EXAMPLE = EXAMPLES / "las_vegas_2015.json"
 GALLERY = EXAMPLES / "opportunities_gallery.json"
-
-
-def slewtrack(*words: str, **options) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([SLEWTRACK, *words], capture_output=True, text=True, **options)
 
 
 def one_line(text: str) -> str:
@@ -30,15 +25,9 @@ def one_line(text: str) -> str:
     return line
 
 
-def test_standard_input_is_a_file_named_dash():
-    result = slewtrack("plan", "-", input=json.dumps(LAS_VEGAS))
-    assert result.returncode == 0, result.stderr
-    assert "Las Vegas" in result.stdout
-
-
 def test_no_such_file():
-    result = slewtrack("plan", "nowhere.json")
-    assert result.returncode == 2
+    result = CliRunner().invoke(main, ["plan", "nowhere.json"])
+    assert result.exit_code == 2
     assert "nowhere.json" in one_line(result.stderr)
 
 
@@ -121,13 +110,6 @@ def test_windows_of_the_gallery(tmp_path):
     assert [float(row["closest_beta_deg"]) for row in rows] == [
         window["closest"]["angles_deg"]["beta"] for window in windows
     ]
-
-
-def test_windows_refuses_in_one_line():
-    document = json.loads(GALLERY.read_text()) | {"stop": "2015-02-27T12:00:00"}
-    result = CliRunner().invoke(main, ["windows", "-"], input=json.dumps(document))
-    assert result.exit_code == 2
-    assert one_line(result.stderr).startswith("slewtrack: stop: ")
 
 
 @pytest.mark.parametrize("name", ["a $\\frac$ b", "x" * 200])
