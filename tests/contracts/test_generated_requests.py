@@ -36,7 +36,7 @@ CHECKS = [
 ]
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]
 WORKED = {"/v1/plans": LAS_VEGAS, "/v1/campaigns": {**CITIES, "targets": CITIES["targets"][:1]}}
-BRIEF = 30
+BRIEF = 20
 EXAMPLES = int(os.environ.get("SLEWTRACK_EXAMPLES", BRIEF))
 BOUNDED = {
     "max_examples": EXAMPLES,
@@ -47,7 +47,7 @@ BOUNDED = {
     "phases": [Phase.generate] if EXAMPLES == BRIEF else [Phase.explicit, Phase.generate],
 }
 ROUNDS = 8
-STATEFUL = BOUNDED | {"max_examples": EXAMPLES // 3, "stateful_step_count": 8}
+STATEFUL = BOUNDED | {"max_examples": EXAMPLES // 2, "stateful_step_count": 8}
 
 
 def the_document():
