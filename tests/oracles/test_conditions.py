@@ -203,7 +203,6 @@ def test_a_refusal_names_the_condition_and_a_start_that_is_planned(limit, condit
 def test_conditions_that_make_no_sense_are_refused_by_field():
     for conditions, told in (
         ({"sun_elevation_min_deg": 10.0, "sun_elevation_max_deg": 5.0}, "sun_elevation_min_deg"),
-        ({"max_ground_sample_m": 0.0}, "max_ground_sample_m"),
         ({"carrier_light": "dusk"}, "carrier_light"),
         ({"min_duration_s": 10.0}, "min_duration_s"),
         ({"directions": [{"name": "x", "near": "sun", "max_deg": 45.0}]}, "direction_body"),
