@@ -488,6 +488,19 @@ def test_an_imaging_session_on_the_map_and_the_globe(client, session):
     assert ids >= {"document", "carrier", "ground-track", "boresight", "footprint", "target-0"}
 
 
+def what_is_drawn(example):
+    """All of a plan that its pictures hang on, whatever its orbit comes from."""
+    seen = tuple((one["target"]["mode"], "keyhole" in one) for one in example["sessions"])
+    more = example.get("slew", {}).keys() & {"keep_out", "avoid_modes", "lead"}
+    platform = example["platform"]
+    masked = isinstance(platform, dict) and "masks" in platform
+    return seen, masked, frozenset(more), "final_state" in example, "terrain" in example
+
+
+# The first of those that are drawn alike.
+DRAWN_ONCE = {what_is_drawn(one): name for name, (_, one) in reversed(PLAN_EXAMPLES.items())}
+
+
 @pytest.mark.parametrize("name", PLAN_EXAMPLES)
 def test_every_worked_example_is_planned_and_can_be_looked_at(client, name):
     plan = made(client, PLAN_EXAMPLES[name][1])
@@ -496,7 +509,7 @@ def test_every_worked_example_is_planned_and_can_be_looked_at(client, name):
     view = seen(client, plan).json()
     assert wrong(client, "PlanViewResponse", view) == []
     assert len(view["targets"]) == len(PLAN_EXAMPLES[name][1]["sessions"])
-    if plan["state"] == "done":
+    if plan["state"] == "done" and name in DRAWN_ONCE.values():
         for drawn in ("netcdf", *DRAWN.keys() - {"svg"}):  # which is the PNG's figure
             assert seen(client, plan, f"?format={drawn}").content
 
