@@ -30,7 +30,7 @@ from scipy.spatial.transform import Rotation
 
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.arrays import Array
-from planner.base.commands import CommandTable
+from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.rotation import of_like_sign
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import (
@@ -50,7 +50,7 @@ from planner.inflight.simulation.gyros.onboard import (
 from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
 from planner.motion.attitude.eigenaxis import quickest_angle
 from planner.motion.attitude.track import agility_limits, attitude_motion
-from planner.spacecraft.flights import fly_many
+from planner.spacecraft.flights import camera_on, fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession, make_session
@@ -60,9 +60,9 @@ from planner.spacecraft.requests import (
     SCAN_SPEED_M_S,
     GeoLineString,
     ImagingPlanRequest,
+    ImagingWindow,
     StripRequest,
 )
-from planner.spacecraft.table import TICK_S, ImagingWindow, camera_on
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import StateVectorOrbit
@@ -262,7 +262,7 @@ def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
     plan = planned(name)
     session = make_session(plan.request)
     options, _ = options_of(session)
-    scans = scans_of(options, range(len(options)))
+    scans = scans_of(options)
     rows = len(plan.table.t_s)
     q = plan.table.position.copy()
     omega, alpha = np.zeros((rows, 3)), np.zeros((rows, 3))
@@ -710,7 +710,7 @@ def spacecraft_numbers() -> Numbers:
 
 def _gyros() -> Numbers:
     array, inertia = CRAFT.array, np.diag(CRAFT.inertia_kg_m2)
-    short, long = (needed(planned(name).table.extra_rad[:, :4], TICK_S) for name in NAMES)
+    short, long = (needed(planned(name).table.extra_rad[:, :4], COMMAND_STEP_S) for name in NAMES)
     most = max(short.gyro_n_m_s, long.gyro_n_m_s)
     held = max(short.held_n_m_s, long.held_n_m_s)
     least_n_m = array.momentum_n_m_s * array.rate_step_rad_s

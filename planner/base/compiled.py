@@ -42,7 +42,6 @@ SOURCES = [
     "planning/opportunities/tracking.py",
     "spacecraft/imaging/choose.py",
     "spacecraft/imaging/slews.py",
-    "spacecraft/table.py",
     "verification/unloading.py",
     "world/frames/earth_orientation.py",
     "world/frames/geodesy.py",

@@ -7,14 +7,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from planner.base.arrays import Array
-from planner.base.commands import CommandTable
+from planner.base.arrays import Array, Mask
+from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import draw_dispersion, fly_table
 from planner.inflight.simulation.gyros.report import worst_of
 from planner.inflight.simulation.gyros.steadiness import rate_errors, steadiness_figures
 from planner.spacecraft.found import ImagingSteadiness, StabilisationReport
-from planner.spacecraft.table import TICK_S, ImagingWindow, camera_on
+from planner.spacecraft.requests import ImagingWindow
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import VerifiedWindow
 from planner.world.orbits.ephemeris import OrbitStates
@@ -38,6 +38,14 @@ ASSUMPTIONS = (
 )
 
 Kept = TypeVar("Kept")
+
+
+def camera_on(windows: Sequence[ImagingWindow], rows: int) -> Mask:
+    """Whether the camera runs from row k to k + 1, shape (rows - 1,)."""
+    on = np.zeros(rows - 1, dtype=bool)
+    for window in windows:
+        on[window.first_row : window.last_row] = True
+    return on
 
 
 def fly_many(
@@ -107,7 +115,7 @@ def stabilisation(
                 **vars(gyros) | {"steady": gyros.steady == 1.0},
                 request=one.request,
                 look=one.look,
-                settled_s=(one.first_row - before_rows[k]) * TICK_S - gyros.spare_s,
+                settled_s=(one.first_row - before_rows[k]) * COMMAND_STEP_S - gyros.spare_s,
                 smear_px=float(numbers[:, k, -1].max()),
                 momentum_margin_n_m_s=held_n_m_s - gyros.momentum_max_n_m_s,
             )

@@ -8,7 +8,6 @@ from planner.base.commands import CommandTable
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import (
     InfeasibleSlew,
-    InvalidInput,
     Refusal,
     SearchEnded,
     Unreachable,
@@ -31,8 +30,7 @@ from planner.spacecraft.imaging.baselines import report_slews
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import bound_of
 from planner.spacecraft.imaging.session import make_session
-from planner.spacecraft.requests import ImagingPlanRequest, LeftOut, Request
-from planner.spacecraft.table import ImagingWindow
+from planner.spacecraft.requests import ImagingPlanRequest, ImagingWindow, LeftOut, Request
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 from planner.world.frames.time_scales import Instants
@@ -108,15 +106,15 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> I
 
     tell: is called when a stage begins, and with how many runs are flown.
     Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
-    InvalidInput for a high orbit, VerificationFailed when the judge objects, SearchEnded when it
-    takes more work than such a request may make.
+    VerificationFailed when the judge objects, SearchEnded when it takes more work than such a
+    request may make.
     """
     with at_most(_bound_work(request)):
         try:
             return _make_plan(request, tell)
         except SearchEnded:
             raise _search_ended(request) from None
-        except (Unreachable, InfeasibleSlew, InvalidInput) as why:
+        except (Unreachable, InfeasibleSlew) as why:
             tell("alternatives", 0, 1)
             with suppress(WorkLimitReached):
                 raise refusal_with_alternative(request, why, _is_found) from why

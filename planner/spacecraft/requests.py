@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 from pydantic import Field
 
+from planner.base.answer_members import Count
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import figures
 from planner.base.spec import UnitPart, Within, spec
@@ -142,6 +143,19 @@ class LeftOut:
 
     name: str
     reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImagingWindow:
+    """One stretch of imaging: rows first_row .. last_row, both with the camera on.
+
+    request, look: which request, and which strip, look or leg of it (from 0).
+    """
+
+    request: str
+    look: Count
+    first_row: Count
+    last_row: Count
 
 
 def _two_positions(line: GeoLineString) -> None:

@@ -13,16 +13,16 @@ import numpy as np
 
 from planner.base.answer_members import HalfTurn, Internal, Member, NotNegative, Signed, answer
 from planner.base.arrays import Array
-from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.base.rotation import Rotation
 from planner.base.table_motion import motion_at
 from planner.spacecraft.requests import (
     AreaRequest,
     ImagingPlanRequest,
+    ImagingWindow,
     Request,
     StereoRequest,
 )
-from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.verification.report import VerificationReport
 from planner.world.frames.earth_orientation import c_itrf_from_eci
@@ -230,8 +230,8 @@ def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow
     x, y, z = view.los_lvlh.T
     return VerifiedWindow(
         **vars(window),
-        start_utc=shifted_utc(session.table.epoch_utc, window.first_row * TICK_S),
-        stop_utc=shifted_utc(session.table.epoch_utc, window.last_row * TICK_S),
+        start_utc=shifted_utc(session.table.epoch_utc, window.first_row * COMMAND_STEP_S),
+        stop_utc=shifted_utc(session.table.epoch_utc, window.last_row * COMMAND_STEP_S),
         scan_speed_m_s=float(np.mean(speed_m_s)),
         speed_spread=float(np.max(np.abs(speed_m_s[INNER] / request.scan_speed_m_s - 1.0))),
         drift_rad=float(np.max(drift_rad[INNER])),
@@ -267,7 +267,7 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
     # The plane through the ellipsoid's centre isn't exactly that of the heights' ends: 0.1 m.
     off_plane_m = float(np.max(np.abs(scanned_itrf_m @ normal_itrf)))
     end_m = float(np.min(np.linalg.norm(scanned_itrf_m[-SCAN_END:] - end_itrf_m, axis=1)))
-    spacing_m = request.scan_speed_m_s * TICK_S / SCANNED_PER_ROW
+    spacing_m = request.scan_speed_m_s * COMMAND_STEP_S / SCANNED_PER_ROW
     start_m = float(np.linalg.norm(scanned_itrf_m[0] - start_itrf_m))
     return max(start_m, off_plane_m, end_m - spacing_m)
 
@@ -310,7 +310,7 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
                 yield f"{request.name!r}: {len(looks)} looks instead of {count}"
             elif isinstance(request, StereoRequest) and request.gap_s is not None:
                 gap_s = (looks[1].first_row - looks[0].first_row) / ROWS_PER_S
-                if abs(gap_s - request.gap_s) > 0.5 * TICK_S + 1e-6:
+                if abs(gap_s - request.gap_s) > 0.5 * COMMAND_STEP_S + 1e-6:
                     yield f"{request.name!r}: looks {gap_s:.1f} s apart, not {request.gap_s:g} s"
 
 

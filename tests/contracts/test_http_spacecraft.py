@@ -200,13 +200,6 @@ CASES = {
         changed(requests=[{**strip(*CROSSING), "mode": "corridor"}]),
         "invalid-request", "requests.0.geometry", "split it",
     ),
-    "a geostationary orbit": (
-        changed(orbit={
-            "source": "state", "frame": "GCRF", "epoch": "2024-06-01T10:00:00Z",
-            "position_km": [42164.0, 0.0, 0.0], "velocity_km_s": [0.0, 3.0747, 0.0],
-        }),
-        "invalid-input", "orbit", "up to 2000 km",
-    ),
     "a strip of three positions": (
         changed(requests=[strip(*CROSSING[:3])]),
         "invalid-request", "requests.0", "corridor",

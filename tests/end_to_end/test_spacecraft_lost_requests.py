@@ -61,13 +61,12 @@ def test_of_a_reversible_detectors_scans_those_too_fast_are_none():
 def test_a_request_whose_slews_never_fit_leaves_the_others(monkeypatch):
     """Each try takes a sixth of the work there is."""
 
-    def costly(made, scans):
-        for scan in scans:
-            if scan.request == 1:
+    def costly(made, chosen):
+        for one in chosen:
+            if one.request == 1:
                 effort.charge(effort.PLAN / 6.0)
-                why = InfeasibleSlew("the body needs about 28.8 s")
-                raise DoesNotFit(scan.candidate, why)
-        return build_timeline(made, scans)
+                raise DoesNotFit(one, InfeasibleSlew("the body needs about 28.8 s"))
+        return build_timeline(made, chosen)
 
     monkeypatch.setattr(choice_with_slews, "build_timeline", costly)
     corridor = CorridorRequest(name="corridor", geometry=line(300.0), priority=9.0)

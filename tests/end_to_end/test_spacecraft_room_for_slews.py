@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
-from spacecraft_cases import ORBIT, four_modes, line, session
+from spacecraft_cases import four_modes, line, session
 
 from planner.base import effort
-from planner.base.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
+from planner.base.errors import InfeasibleSlew, SearchEnded, Unreachable
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
     AreaRequest,
@@ -19,7 +19,6 @@ from planner.spacecraft.requests import (
     GeoLineString,
     GeoPolygon,
     SpacecraftSettings,
-    StripRequest,
 )
 
 STRIP, STEREO, *_ = four_modes()
@@ -86,19 +85,6 @@ def test_a_refusal_of_many_legs_counts_the_turns_between():
     corridor = CorridorRequest(name="zigzag", geometry=GeoLineString(coordinates=legs))
     with pytest.raises(Unreachable, match="63 scans, with the slews between, take at least"):
         plan_imaging(session([corridor], 300.0))
-
-
-def test_an_orbit_that_climbs_out_of_reach_within_the_session_is_refused():
-    """1,300 km high where the session begins, 2,200 where it ends."""
-    speed = 1.21
-    x, y, z = ORBIT.velocity_km_s
-    climbing = dataclasses.replace(ORBIT, velocity_km_s=(speed * x, speed * y, speed * z))
-    request = session([StripRequest(name="strip", geometry=line(90.0))], 1200.0)
-    with pytest.raises(
-        InvalidInput, match=r"km high at 2024-06-01T10:20:00.*in the session"
-    ) as why:
-        plan_imaging(dataclasses.replace(request, orbit=climbing))
-    assert why.value.field == "orbit"
 
 
 def test_a_session_too_much_work_says_what_is_less(monkeypatch):

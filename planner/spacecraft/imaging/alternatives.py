@@ -9,11 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import InfeasibleSlew, OutsideCoverage, Refusal, Unreachable
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
@@ -24,7 +26,6 @@ from planner.spacecraft.requests import (
     Request,
     StereoRequest,
 )
-from planner.spacecraft.table import TICK_S
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
 
@@ -65,8 +66,6 @@ def refusal_with_alternative(
     much_n_m_s = OPTIONS.much_share * request.definition().gyros.turns.momentum_max_n_m_s
     if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and stored_n_m_s > much_n_m_s):
         alternatives = _less_momentum(request)
-    elif isinstance(why, InvalidInput):
-        return why
     elif isinstance(why, LooksTooClose):
         alternatives = _wider_gaps(request, _number_at_fault(why), why.gap_s)
     else:
@@ -77,7 +76,7 @@ def refusal_with_alternative(
     )
     if found is None:
         return why
-    kind = next(k for k in (Unreachable, InfeasibleSlew, InvalidInput) if isinstance(why, k))
+    kind = Unreachable if isinstance(why, Unreachable) else InfeasibleSlew
     return kind(
         f"{why.detail}; nearest that was tried and works: {found.text}",
         field=why.field,
@@ -145,17 +144,14 @@ def _spans(
     for k in range(count):
         start = shifted_utc(request.start, begin_s + k * piece_s)
         piece = replace(request, start=start, stop=shifted_utc(start, piece_s))
-        with suppress(Unreachable, InfeasibleSlew, OutsideCoverage, InvalidInput):
+        with suppress(Unreachable, InfeasibleSlew, OutsideCoverage):
             options = candidates(free, 0, make_session(piece))
-            scanned = [(one, one) for one in options if one.part == WHOLE]
-            scanned += [
-                (first, second)
-                for first in options
-                for second in options
-                if (first.part, second.part) == (OPENS, COMPLETES) and second.start_s > first.stop_s
-            ]
-            for first, last in scanned:
-                yield shifted_utc(start, first.start_s), shifted_utc(start, last.stop_s)
+            for first, last in product(options, options):
+                is_pair = (first.part, last.part) == (OPENS, COMPLETES)
+                if (is_pair and last.start_s > first.stop_s) or (
+                    first.part == WHOLE and first is last
+                ):
+                    yield shifted_utc(start, first.start_s), shifted_utc(start, last.stop_s)
 
 
 def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop: datetime) -> float:
@@ -173,7 +169,7 @@ def _at_time(
     """A window from start to stop, in a session that leaves time to slew there and back."""
     early_s = max(0.0, OPTIONS.before_s - elapsed_s(start, request.start))
     late_s = max(0.0, OPTIONS.after_s - elapsed_s(request.stop, stop))
-    session_start = shifted_utc(request.start, -TICK_S * np.ceil(early_s / TICK_S))
+    session_start = shifted_utc(request.start, -COMMAND_STEP_S * np.ceil(early_s / COMMAND_STEP_S))
     session_stop = shifted_utc(request.stop, late_s)
     if elapsed_s(session_stop, session_start) > SESSION_MAX_S:
         session_start = shifted_utc(start, -OPTIONS.before_s)

@@ -1,22 +1,22 @@
 """Chooses what is imaged and slews between: a choice holds once every slew in it fits."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.base import effort
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew, Refusal, SearchEnded, Unreachable
 from planner.base.rotation import Rotation
 from planner.planning.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
-from planner.spacecraft.imaging.choose import Choice, choose, choose_by_solving
+from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.session import ImagingSession
-from planner.spacecraft.imaging.timeline import DoesNotFit, Timeline, build_timeline, scans_of
+from planner.spacecraft.imaging.timeline import DoesNotFit, Timeline, build_timeline
 from planner.spacecraft.requests import LeftOut
-from planner.spacecraft.table import TICK_S
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,6 @@ class SlewRevisionOptions:
     tries: int = 3  # of a request, before others are imaged in its place
     request: float = 1_000.0  # of `effort`, for each request
     gentler_share: float = 0.4  # of what work is left, for gentler slews
-    solving_share: float = 0.6  # of what work is left, for slews that may be found by solving them
     rest_before_s: float = 20.0  # a slew from and to the idle attitude takes about so long
 
 
@@ -50,7 +49,7 @@ class LooksTooClose(InfeasibleSlew):
 
 
 def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut, ...]]:
-    """Candidates that can be turned to from the session's start and back before its end.
+    """Candidates by their start that can be turned to from the session's and back before its end.
 
     Raises the first request's refusal when there is none of any.
     """
@@ -66,7 +65,7 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
             left_out.append(LeftOut(name=request.name, reason=why.detail))
     if not options and refusal is not None:
         raise refusal
-    return options, tuple(left_out)
+    return sorted(options, key=lambda one: one.arcs[0].first_row), tuple(left_out)
 
 
 def _within_session(
@@ -82,13 +81,13 @@ def _within_session(
         np.array([getattr(option, end) for option in options])
         for end in ("entry_state", "exit_state")
     )
-    there_s = session.slews.ticks(idle[:count], entries) * TICK_S
+    there_s = session.slews.ticks(idle[:count], entries) * COMMAND_STEP_S
     initial_xyzw = session.request.initial_q_body_from_eci_xyzw
     if initial_xyzw is not None:
         at_rest = Rotation.from_quat([initial_xyzw] * count).inv()
         initial = session.slews.states(lambda _: at_rest)
-        there_s += session.slews.ticks(initial, idle[:count]) * TICK_S
-    back_s = session.slews.ticks(exits, idle[count:]) * TICK_S - session.slews.settle_s
+        there_s += session.slews.ticks(initial, idle[:count]) * COMMAND_STEP_S
+    back_s = session.slews.ticks(exits, idle[count:]) * COMMAND_STEP_S - session.slews.settle_s
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
     parts = np.array([option.part for option in options])
     lacking = np.flatnonzero(~np.isin(parts, parts[fits]))  # half a pair is no image
@@ -117,11 +116,11 @@ def _refuse_looks_too_close(options: list[Candidate], number: int, session: Imag
         first.stop_s for first in firsts
     ]
     exits = np.array([first.exit_state for first in firsts])
-    needed_s = TICK_S * np.array(
+    needed_s = COMMAND_STEP_S * np.array(
         [session.slews.ticks(exits, np.array([one.entry_state] * len(firsts))) for one in seconds]
     )
     i, k = np.unravel_index(np.argmax(between_s - needed_s), needed_s.shape)
-    if needed_s[i, k] > between_s[i, k] + 0.5 * TICK_S:
+    if needed_s[i, k] > between_s[i, k] + 0.5 * COMMAND_STEP_S:
         gap_s = seconds[i].start_s - firsts[k].start_s
         raise LooksTooClose(number, gap_s, gap_s - between_s[i, k], needed_s[i, k])
 
@@ -138,47 +137,17 @@ class Chosen:
 def choose_and_slew(
     session: ImagingSession, options: Sequence[Candidate], *, refine: bool
 ) -> Chosen:
-    """The choice and its timeline.  If it is to be refined, work that is left is spent: where all
-    that can be seen fits, smooth slews share the time left over, as a slower slew shakes the
-    structure less; else slews are solved that aren't known to suffice.
+    """The choice and its timeline.  Where all that can be seen fits and it is to be refined, smooth
+    slews share the time left over, as a slower slew shakes the structure less.
 
     Raises InfeasibleSlew where nothing fits.
     """
-    first = _best(session, options)
-    is_all = set(first.requests) == {option.request for option in options}
+    first, found = choose(options, session.priorities, session.slews), None
+    is_all = first.requests == {option.request for option in options}
     if refine and is_all and session.request.objective == "smooth":
-        found = None
         with at_most(OPTIONS.gentler_share * effort.remaining()):
             found = _gentler(session, first)
-        if found is not None:
-            return found
-    fitting = _fitting(session, options, first)
-    if refine and not is_all:
-        with at_most(OPTIONS.solving_share * effort.remaining()):
-            return _tighter(session, options, fitting.choice) or fitting
-    return fitting
-
-
-def _best(
-    session: ImagingSession, options: Sequence[Candidate], barred: Collection[int] = ()
-) -> Choice:
-    """The best choice of candidates that aren't barred, by their place in `options`."""
-    allowed = [k for k in range(len(options)) if k not in barred]
-    if not allowed:
-        return Choice()
-    choice = choose([options[k] for k in allowed], session.priorities, session.slews)
-    return replace(choice, chosen=tuple(allowed[k] for k in choice.chosen))
-
-
-def _tighter(session: ImagingSession, options: Sequence[Candidate], first: Choice) -> Chosen | None:
-    """A choice worth more whose slews are found by solving them, or None."""
-    choice = choose_by_solving(options, session.priorities, session.slews, first)
-    if choice is not first:
-        with suppress(DoesNotFit):
-            timeline = build_timeline(session, scans_of(options, choice.chosen))
-            left_out = _left_out(session, options, choice, {})
-            return Chosen(choice=choice, timeline=timeline, left_out=left_out)
-    return None
+    return found or _fitting(session, options, first)
 
 
 def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
@@ -190,49 +159,44 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
         longer = replace(session, slews=replace(session.slews, more_s=more_s))
         with suppress(Unreachable, InfeasibleSlew, SearchEnded, DoesNotFit):
             options, _ = options_of(longer)
-            choice = _best(longer, options)
+            choice = choose(options, longer.priorities, longer.slews)
             if choice.value >= first.value:
-                timeline = build_timeline(longer, scans_of(options, choice.chosen))
+                timeline = build_timeline(longer, choice.chosen)
                 choice = replace(choice, greedy_value=first.greedy_value)
                 return Chosen(choice=choice, timeline=timeline, left_out=())
     return None
 
 
-def _fitting(session: ImagingSession, options: Sequence[Candidate], choice: Choice) -> Chosen:
-    """The choice with its slews; where a slew isn't found, another choice without it."""
-    barred: set[int] = set()
-    refused: list[tuple[int, str]] = []  # requests, and why
+def _fitting(session: ImagingSession, options: Sequence[Candidate], first: Choice) -> Chosen:
+    """The choice with its slews; where one isn't found, another choice without the scan at fault,
+    after some tries without its request."""
+    choice, seen = first, {option.request for option in options}
+    refused: dict[int, list[str]] = {}  # requests, and why
     why: Refusal = InfeasibleSlew("the slews between its scans don't fit", limit="time")
-    greedy_value = choice.greedy_value
     while choice.chosen:
         try:
-            timeline = build_timeline(session, scans_of(options, choice.chosen))
+            timeline = build_timeline(session, choice.chosen)
         except DoesNotFit as misfit:
             at_fault, why = misfit.candidate, misfit.why
         else:
-            choice = replace(choice, greedy_value=min(greedy_value, choice.value))
-            left_out = _left_out(session, options, choice, dict(refused))
-            return Chosen(choice=choice, timeline=timeline, left_out=left_out)
-        number = options[at_fault].request
-        refused.append((number, why.detail))
-        barred.add(at_fault)
-        if [one for one, _ in refused].count(number) >= OPTIONS.tries:
-            barred |= {k for k, one in enumerate(options) if one.request == number}
-        choice = _best(session, options, barred)
+            beside = ["no time beside requests worth more, in the best choice found"]
+            return Chosen(
+                choice=replace(choice, greedy_value=min(first.greedy_value, choice.value)),
+                timeline=timeline,
+                left_out=tuple(
+                    LeftOut(
+                        name=session.request.requests[number].name,
+                        reason=refused.get(number, beside)[-1],
+                    )
+                    for number in sorted(seen - choice.requests)
+                ),
+            )
+        refused.setdefault(at_fault.request, []).append(why.detail)
+        is_over = len(refused[at_fault.request]) >= OPTIONS.tries
+        options = [
+            one
+            for one in options
+            if one is not at_fault and not (is_over and one.request == at_fault.request)
+        ]
+        choice = choose(options, session.priorities, session.slews)
     raise InfeasibleSlew(why.detail, field="requests", limit=why.limit)
-
-
-def _left_out(
-    session: ImagingSession,
-    options: Sequence[Candidate],
-    choice: Choice,
-    refused: Mapping[int, str],
-) -> tuple[LeftOut, ...]:
-    """Requests with candidates that aren't chosen: a slew of theirs isn't found, or others are
-    worth more."""
-    beside = "no time beside requests worth more, in the best choice found"
-    asked = session.request.requests
-    return tuple(
-        LeftOut(name=asked[number].name, reason=refused.get(number, beside))
-        for number in sorted({option.request for option in options} - {*choice.requests})
-    )

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from planner.base.commands import COMMAND_STEP_S
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import (
     AreaRequest,
@@ -14,7 +15,6 @@ from planner.spacecraft.requests import (
     Request,
     StereoRequest,
 )
-from planner.spacecraft.table import TICK_S
 from planner.world.targets.geojson import Position
 from planner.world.targets.strips import StripPattern, strip_pattern
 
@@ -59,7 +59,7 @@ def least_time_s(request: Request, session: ImagingSession) -> tuple[int, float]
         arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
         looks = 2 if isinstance(request, StereoRequest) else 1
         scans, scan_s = looks * len(arcs), looks * sum(arc.duration_s for arc in arcs)
-    return scans, scan_s + (scans - 1) * max(session.slews.settle_s, TICK_S)
+    return scans, scan_s + (scans - 1) * max(session.slews.settle_s, COMMAND_STEP_S)
 
 
 def _strip_pattern(request: AreaRequest, session: ImagingSession) -> StripPattern:

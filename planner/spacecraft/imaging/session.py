@@ -14,23 +14,19 @@ from functools import cached_property
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.errors import InvalidInput
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.rotation import Rotation
 from planner.motion.attitude.track import pointed_quaternions
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.frames.earth_orientation import c_itrf_from_eci
-from planner.world.frames.geodesy import WGS84_A_M
-from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
 from planner.world.targets.passing import Passing
 from planner.world.targets.plane_arc import PlaneArc
 
-HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the slews mean little
-HEIGHT_STEP_S = 30.0
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
 
 
@@ -49,12 +45,12 @@ class GroundArc(PlaneArc):
     @property
     def ticks(self) -> int:
         """Whole ticks that cover its scan."""
-        return math.ceil(self.duration_s / TICK_S - 1e-6)
+        return math.ceil(self.duration_s / COMMAND_STEP_S - 1e-6)
 
     @property
     def first_row(self) -> int:
         """Of the table, the camera on; and so until `last_row`."""
-        return round(self.start_s / TICK_S)
+        return round(self.start_s / COMMAND_STEP_S)
 
     @property
     def last_row(self) -> int:
@@ -131,33 +127,15 @@ class ImagingSession:
 def make_session(request: ImagingPlanRequest) -> ImagingSession:
     """The orbit and the spacecraft of a request, made ready.
 
-    Raises InvalidInput, and InfeasibleSlew where the gyros are too full to turn.
+    Raises InfeasibleSlew where the gyros are too full to turn.
     """
     ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
-    _refuse_height(request, ephemeris)
     spacecraft = request.definition()
+    ticks = int(elapsed_s(request.stop, request.start) / COMMAND_STEP_S + 1e-6)
     return ImagingSession(
         request=request,
         ephemeris=ephemeris,
-        duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
+        duration_s=ticks * COMMAND_STEP_S,
         spacecraft=spacecraft,
         slews=Slews(platform=spacecraft.platform(request.settings.momentum_n_m_s)),
     )
-
-
-def _refuse_height(request: ImagingPlanRequest, ephemeris: Ephemeris) -> None:
-    """Looked at where the session begins and ends, and so closely between that no apogee is
-    missed by 1 km (an acceleration of 9 m/s^2)."""
-    seconds = elapsed_s(request.stop, request.start)
-    t_s = np.linspace(0.0, seconds, math.ceil(seconds / HEIGHT_STEP_S) + 1)
-    states = ephemeris.states(Instants(request.start, t_s))
-    heights_m = np.linalg.norm(states.r_sat_eci_m, axis=1) - WGS84_A_M
-    highest = int(np.argmax(heights_m))
-    if heights_m[highest] > HEIGHT_MAX_M:
-        at_utc = shifted_utc(request.start, float(t_s[highest]))
-        raise InvalidInput(
-            f"the orbit is {heights_m[highest] / 1e3:.0f} km high at {utc_text(at_utc)}, in the "
-            f"session; this spacecraft images from low orbits, up to {HEIGHT_MAX_M / 1e3:.0f} km: "
-            "give the orbit of such a one, or a session while it is low",
-            field="orbit",
-        )

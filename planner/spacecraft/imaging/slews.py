@@ -2,20 +2,15 @@
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.commands import Motion
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled
-from planner.base.errors import InfeasibleSlew
 from planner.base.rotation import Rotation
-from planner.motion.attitude.problem import BodySlewProblem
-from planner.motion.attitude.slew import solve_attitude_slew
-from planner.motion.attitude.track import agility_limits
 from planner.planning.campaigns.platforms.body import OPTIONS as FOLLOWING
 from planner.planning.campaigns.platforms.body import moving_state, slew_limits
 from planner.planning.campaigns.platforms.slew_fits import (
@@ -23,14 +18,12 @@ from planner.planning.campaigns.platforms.slew_fits import (
     FollowerLimits,
     slew_fits,
 )
-from planner.spacecraft.table import TICK_S
 from planner.world.platforms import BodyPlatform
 
 
 @dataclass(frozen=True, kw_only=True)
 class Slews:
-    """Of a body.  more_s: added to what suffices, so that slews are gentler.  stretch_factor: times
-    the time there is, for slews that may take less than what suffices.
+    """Of a body.  more_s: added to what suffices, so that slews are gentler.
 
     Ends are states as `body_fits` takes them, (n, 11): a scan's entry that in which its line is
     joined, settle_s before it begins.
@@ -38,7 +31,6 @@ class Slews:
 
     platform: BodyPlatform
     more_s: float = 0.0
-    stretch_factor: float = 1.0
 
     @cached_property
     def _limits(self) -> tuple[FollowerLimits, float]:
@@ -58,7 +50,7 @@ class Slews:
     @property
     def widest_ticks(self) -> int:
         """The most from any scan's end to another's begin."""
-        return math.ceil((self._limits[1] + self.settle_s + self.more_s) / TICK_S)
+        return math.ceil((self._limits[1] + self.settle_s + self.more_s) / COMMAND_STEP_S)
 
     def fit(
         self,
@@ -71,10 +63,9 @@ class Slews:
     ) -> Mask:
         """Whether so many ticks from scan's end to scan's begin suffice, by numbers of the ends;
         sign: as of `slew_fits`."""
-        left_s = np.asarray(ticks * TICK_S - self.settle_s - self.more_s + 1e-9, np.float64)
+        left_s = np.asarray(ticks * COMMAND_STEP_S - self.settle_s - self.more_s + 1e-9, np.float64)
         limits, _ = self._limits
-        available_s = self.stretch_factor * left_s
-        return np.asarray(_fit(exit_states, entry_states, before, after, limits, sign, available_s))
+        return np.asarray(_fit(exit_states, entry_states, before, after, limits, sign, left_s))
 
     def ticks(self, exit_states: Array, entry_states: Array) -> Indices:
         """Whole ticks that suffice from each of n ends to its counterpart."""
@@ -88,24 +79,6 @@ class Slews:
             fits = self.fit(exit_states, entry_states, each, each, middle)
             too_few, enough = np.where(fits, too_few, middle), np.where(fits, middle, enough)
         return enough
-
-    def is_found(self, exit_state: Array, entry_state: Array, ticks: int) -> bool:
-        """Whether a slew from a scan's end to another's begin, so many ticks later, is found by
-        solving it."""
-        ends = np.stack([exit_state[None], entry_state[None]])
-        start, goal = (Motion(*np.split(end, [4, 7, 10], axis=1)[:3]) for end in ends)
-        row = ticks - math.ceil((self.settle_s + self.more_s) / TICK_S - 1e-9)
-        limits = agility_limits(self.platform)
-        if row < 1:
-            return False
-        with suppress(InfeasibleSlew):
-            solve_attitude_slew(
-                BodySlewProblem(
-                    start=start, goal=goal, first_arrival_row=row, limits=limits, objective="any"
-                )
-            )
-            return True
-        return False
 
 
 @compiled

@@ -9,8 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from planner.base.commands import ROWS_PER_S
+import numpy as np
+
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.errors import InfeasibleSlew, Refusal
+from planner.base.rotation import Rotation
 from planner.motion.attitude.problem import rows_of
 from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
@@ -18,7 +21,7 @@ from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.planning.sessions.track_branches import seen_from_s
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
-from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.spacecraft.requests import ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
@@ -29,7 +32,8 @@ from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 class TimelineOptions:
     """How scans, slews and waits follow each other."""
 
-    # turned by a slew of the longest time at the largest rate: from looking ahead to the side
+    # turned by a slew of the longest time at the largest rate, from looking ahead to the side; one
+    # that turns farther, as about the vertical, has the time that suffices
     longest_rad: float = math.radians(63.0)
 
 
@@ -37,10 +41,9 @@ OPTIONS = TimelineOptions()
 
 
 class Scan(NamedTuple):
-    """An arc that is scanned; candidate, request: numbers of those it belongs to."""
+    """An arc that is scanned, and the candidate that it belongs to."""
 
-    candidate: int
-    request: int
+    candidate: Candidate
     arc: GroundArc
 
 
@@ -57,21 +60,30 @@ class DoesNotFit(Exception):
     """A candidate whose scan isn't held, or the first onto which, or from the last of which, no
     slew is found, and why."""
 
-    def __init__(self, candidate: int, why: Refusal) -> None:
+    def __init__(self, candidate: Candidate, why: Refusal) -> None:
         super().__init__(why.detail)
         self.candidate, self.why = candidate, why
 
 
-def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Scan, ...]:
+def scans_of(chosen: Sequence[Candidate]) -> tuple[Scan, ...]:
     """The arcs of the chosen candidates in order of time."""
-    scans = [Scan(k, candidates[k].request, arc) for k in chosen for arc in candidates[k].arcs]
+    scans = [Scan(one, arc) for one in chosen for arc in one.arcs]
     return tuple(sorted(scans, key=lambda scan: scan.arc.first_row))
 
 
-def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
+def scenario_of(
+    session: ImagingSession, chosen: Sequence[Candidate], scans: tuple[Scan, ...]
+) -> Scenario:
     """Each scan a session of the body, on the same clock."""
     request = session.request
-    most_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
+    usual_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
+    first, last = session.ends(None, np.array([chosen[0].start_s, chosen[-1].stop_s]), 0.0)
+    exits = np.array([first, *(one.exit_state for one in chosen)])
+    entries = np.array([*(one.entry_state for one in chosen), last])
+    start, goal = (Rotation.from_quat(states[:, :4]) for states in (exits, entries))
+    is_far = (start.inv() * goal).magnitude() > OPTIONS.longest_rad
+    far_ticks = session.slews.ticks(exits[is_far], entries[is_far])
+    most_s = max(round(usual_s, 1), far_ticks.max(initial=0) * COMMAND_STEP_S)
     return Scenario(
         name=request.name,
         platform=session.platform,
@@ -80,9 +92,7 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
             epoch=request.start, q_body_from_eci_xyzw=request.initial_q_body_from_eci_xyzw
         ),
         sessions=tuple(_session_of(session, scan) for scan in scans),
-        slew=SlewOptions(
-            objective=request.objective, lead=BoundedLead(max_duration_s=round(most_s, 1))
-        ),
+        slew=SlewOptions(objective=request.objective, lead=BoundedLead(max_duration_s=most_s)),
         final_state="idle",
         final_by=shifted_utc(session.epoch_utc, session.duration_s),
     )
@@ -99,7 +109,7 @@ def _session_of(session: ImagingSession, scan: Scan) -> Session:
         for latitude_rad, longitude_rad in zip(arc.latitude_rad, arc.longitude_rad, strict=True)
     )
     return Session(
-        name=session.request.requests[scan.request].name,
+        name=session.request.requests[scan.candidate.request].name,
         target=GroundPathTarget(
             points=points, line="plane", speed_m_s=arc.length_m() / arc.duration_s
         ),
@@ -108,12 +118,13 @@ def _session_of(session: ImagingSession, scan: Scan) -> Session:
     )
 
 
-def build_timeline(session: ImagingSession, scans: tuple[Scan, ...]) -> Timeline:
+def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Timeline:
     """Scan in order, from orbital orientation or the request's initial attitude, and back.
 
     Raises DoesNotFit; SearchEnded, InfeasibleSlew where it is the initial attitude's fault.
     """
-    scenario, ephemeris = scenario_of(session, scans), session.ephemeris
+    scans = scans_of(chosen)
+    scenario, ephemeris = scenario_of(session, chosen, scans), session.ephemeris
     mover, owners = mover_of(scenario), [scan.candidate for scan in scans]
     try:
         joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
@@ -127,14 +138,14 @@ def build_timeline(session: ImagingSession, scans: tuple[Scan, ...]) -> Timeline
         onto = [
             _hastened(mover, ephemeris, *one) for one in zip(scenario.sessions, onto, strict=True)
         ]
-    numbers = [scan.request for scan in scans]
+    numbers = [scan.candidate.request for scan in scans]
     return Timeline(
         scenario=scenario,
-        joins=[*onto, replace(final, stop_row=round(session.duration_s / TICK_S))],
+        joins=[*onto, replace(final, stop_row=round(session.duration_s / COMMAND_STEP_S))],
         windows=tuple(
             ImagingWindow(
-                request=session.request.requests[scan.request].name,
-                look=numbers[:k].count(scan.request),
+                request=session.request.requests[scan.candidate.request].name,
+                look=numbers[:k].count(scan.candidate.request),
                 first_row=scan.arc.first_row,
                 last_row=scan.arc.last_row,
             )
