@@ -10,11 +10,9 @@ from planner.base.mrp import BodyMotion
 from planner.motion.attitude.eigenaxis import eigenaxis_slew, quickest_eigenaxis
 from planner.motion.attitude.problem import BodySlewProblem, between_rows, rows_of
 from planner.motion.attitude.track import agility_limits
-from planner.planning.sessions.assembly import pair_joins
 from planner.planning.sessions.plan import Plan
-from planner.planning.sessions.platforms.mover import Join
 from planner.spacecraft.found import AttitudeSlewReport
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import BodyPlatform
 
 
@@ -30,39 +28,34 @@ class BaselineOptions:
 OPTIONS = BaselineOptions()
 
 
-def report_slews(
-    platform: BodyPlatform, plan: Plan, joins: list[Join]
-) -> Iterator[AttitudeSlewReport]:
-    """Of a plan made of these joins, in order of time."""
-    table = plan.table
+def report_slews(platform: BodyPlatform, plan: Plan) -> Iterator[AttitudeSlewReport]:
+    """In order of time, those back to orbital orientation among them."""
+    table, runs = plan.table, {run.session: run for run in plan.slews}
     assert table.acceleration_rad_s2 is not None  # a body's table has it
-    row = 0
-    for run, (window, join) in zip(plan.slews, pair_joins(plan.scenario, joins), strict=True):
-        slews = [(row, row + join.brake_rows, None, 0.0)] if join.brake_rows else []
-        for first, last, onto, solve_s in (
-            *slews,
-            (join.slew_row, join.join_row, window, run.wall_s),
-        ):
-            start_utc, stop_utc = (
-                shifted_utc(table.epoch_utc, k / ROWS_PER_S) for k in (first, last)
-            )
-            span = slice(first, last + 1)
-            motion = Motion(
-                table.position[span], table.rate_rad_s[span], table.acceleration_rad_s2[span]
-            )
-            yield AttitudeSlewReport(
-                start_utc=start_utc,
-                stop_utc=stop_utc,
-                onto=onto,
-                method="ocp",
-                time_from="ocp" if plan.scenario.slew.objective == "minimum_time" else None,
-                status=run.status,
-                solve_s=solve_s,
-                first_row=first,
-                last_row=last,
-                **compare(motion, platform),
-            )
-        row = join.stop_row
+    for one in plan.segments:
+        if one.kind not in ("brake", "slew"):
+            continue
+        first, last = (
+            round(elapsed_s(utc, table.epoch_utc) * ROWS_PER_S)
+            for utc in (one.start_utc, one.stop_utc)
+        )
+        span = slice(first, last + 1)
+        motion = Motion(
+            table.position[span], table.rate_rad_s[span], table.acceleration_rad_s2[span]
+        )
+        run, is_slew = runs[one.session], one.kind == "slew"
+        yield AttitudeSlewReport(
+            start_utc=one.start_utc,
+            stop_utc=one.stop_utc,
+            onto=one.session if is_slew else None,
+            method="ocp",
+            time_from="ocp" if plan.scenario.slew.objective == "minimum_time" else None,
+            status=run.status,
+            solve_s=run.wall_s if is_slew else 0.0,
+            first_row=first,
+            last_row=last,
+            **compare(motion, platform),
+        )
 
 
 def compare(motion: Motion, platform: BodyPlatform) -> dict[str, float]:

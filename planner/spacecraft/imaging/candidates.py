@@ -32,8 +32,8 @@ from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 class CandidateOptions:
     """From which moments on what is asked for is tried."""
 
-    # Between starts: at 2 s five dense sessions were worth up to 3 % less, at 0.4 s one was worth
-    # 2 % more for half as much work again.
+    # Between starts: at 2 s five dense sessions were worth 1 to 4 % less, at 0.4 s one of four 2 %
+    # more for half as much work again.
     grid_s: float = 1.0
     coarse_grid_s: float = 2.0
     # requests squared by the session's time, up to which the pairs of a fine grid take some 15 s
