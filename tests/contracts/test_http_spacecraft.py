@@ -31,14 +31,7 @@ def test_all_that_is_asked_is_imaged(plan):
     assert choice["value"] == choice["bound"] == 9.0  # 2 + 4 + 2 + 1
     assert choice["gap_share"] == 0.0
     assert plan["verification"]["passed"]
-
-
-def test_slews_stand_beside_their_baselines(plan):
-    onto = [slew["onto"] for slew in plan["slews"]]
-    assert onto == [0, None, 1, 2, 3, 4, 5, 6, 7, None]  # it waits in orbital orientation
-    for slew in plan["slews"]:
-        assert slew["bang_coast_bang_s"] <= slew["eigenaxis_s"]
-        assert slew["time_from"] is None  # all the time there is
+    assert {slew["time_from"] for slew in plan["slews"]} == {None}  # all the time there is
 
 
 def test_rows_begin_in_orbital_orientation(plan):

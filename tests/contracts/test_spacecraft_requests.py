@@ -39,6 +39,7 @@ def test_features_and_request_say_the_same():
         (("requests", 0, "geometry", "coordinates"), [[0.0, 0.0]], "2 to 64"),
         (("requests", 0, "geometry", "coordinates"), [[0.0, 0.0], [99.0, 99.0]], "off the map"),
         (("requests", 0, "surprise"), 1, "Unexpected"),
+        (("requests", 1, "name"), "strip", "two requests are named 'strip'; names must differ"),
         (("start",), "2024-06-01T10:00:00", "UTC offset"),
         (("start",), "2024-06-01T10:00:00.1Z", "multiple of 0.2"),
         (("stop",), "2024-06-01T09:00:00Z", "10 to 3600 s"),

@@ -5,6 +5,7 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
@@ -28,7 +29,6 @@ STRIP, STEREO, *_ = four_modes()
     "closer",
     [
         {"gap_s": 1.0},  # less than a scan
-        {"gap_s": 20.0},
         {"look_angle_deg": 4.0},
         {"look_angle_deg": 15.0, "geometry": line(230.0, half_km=130.0)},  # 48 s a look
     ],
@@ -53,12 +53,13 @@ def test_what_has_no_room_for_its_own_turn_is_left_out_for_that_reason():
     assert "the slew between" in left_out.reason
 
 
-@pytest.mark.parametrize("q", [(0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)])
+@pytest.mark.parametrize("q", [(0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0)])
 def test_a_far_initial_attitude_delays_the_first_scan_rather_than_bar_it(q):
     """The time to the scan nearest overhead, 80 s, is little for 180 deg."""
     plan = plan_imaging(session([STRIP], 300.0, initial_q_body_from_eci_xyzw=q, simulation_runs=0))
     assert [window.request for window in plan.windows] == ["strip"]
     [onto] = [slew for slew in plan.slews if slew.onto == 0]
+    np.testing.assert_allclose(plan.table.rate_rad_s[0], 0.0, atol=1e-9)
     assert plan.slews[0].first_row == 0
     assert onto.last_row <= plan.windows[0].first_row - 13  # settled for 2.6 s
 
@@ -93,17 +94,6 @@ def test_a_session_too_much_work_says_what_is_less(monkeypatch):
     settings = SpacecraftSettings(momentum_n_m_s=(10.0, 0.0, 0.0))
     with pytest.raises(SearchEnded, match='for the objective "smooth", or for less momentum'):
         plan_imaging(dataclasses.replace(asked, settings=settings))
-
-
-def test_a_full_sphere_is_refused_with_the_momentum_that_works():
-    """What was tried at 0.9 of the sphere took all the work there was, and nothing was named."""
-    settings = SpacecraftSettings(momentum_n_m_s=(0.0, 0.0, 59.9))
-    with pytest.raises(InfeasibleSlew, match=r"works: (\d+) N m s in the same direction") as why:
-        plan_imaging(session(four_modes(), 640.0, settings=settings))
-    works = float(re.search(r"works: (\d+) N m s", why.value.detail)[1])
-    settings = SpacecraftSettings(momentum_n_m_s=(0.0, 0.0, works))
-    plan = plan_imaging(session(four_modes(), 640.0, settings=settings, simulation_runs=0))
-    assert plan.verification.passed
 
 
 def test_a_table_that_was_not_flown_says_so():

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from ruckig import InputParameter, Ruckig, Trajectory
 from scipy.spatial.transform import Rotation
 from spacecraft_cases import line, session
 
-from planner.spacecraft.imaging.candidates import Candidate
+from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
 from planner.spacecraft.imaging.choose import bound_of, choose
 from planner.spacecraft.imaging.session import GroundArc, make_session
@@ -55,6 +56,7 @@ def random_session(seed, stereo):
     return options, list(random.integers(1, 10, 6).astype(float))
 
 
+@cache
 def follows(a, b):
     one = np.zeros(1, np.intp)
     ticks = np.array([round((b.start_s - a.stop_s) / 0.2)])
@@ -75,6 +77,7 @@ def quickest_s(angle_rad, rates_rad_s=(0.0, 0.0)):
     return least.duration
 
 
+@cache
 def follows_at_best(a, b):
     turn = Rotation.from_quat(a.exit_state[:4]).inv() * Rotation.from_quat(b.entry_state[:4])
     slew_s = quickest_s(turn.magnitude()) + BODY.envelope.settle_s
@@ -127,6 +130,14 @@ def test_a_dense_session_is_worth_what_was_flown():
     ]
     made = make_session(session(drawn, 260.0))
     assert choose(options_of(made)[0], made.priorities, made.slews).value >= 36.59
+
+
+@pytest.mark.parametrize(("count", "apart_s"), [(50, 1.0), (60, 2.0)])
+def test_more_requests_than_can_be_paired_finely_are_tried_further_apart(count, apart_s):
+    strips = [StripRequest(name=str(k), geometry=line(130.0)) for k in range(count)]
+    made = make_session(session(strips, 260.0))
+    starts_s = [one.start_s for one in candidates(strips[0], 0, made)]
+    np.testing.assert_allclose(np.diff(starts_s), apart_s)
 
 
 @pytest.mark.parametrize("rates_deg_s", [(0.0, 0.0), (-0.9, -0.9), (0.5, -0.4), (0.7, 0.3)])
