@@ -71,15 +71,19 @@ def scans_of(chosen: Sequence[Candidate]) -> tuple[Scan, ...]:
     return tuple(sorted(scans, key=lambda scan: scan.arc.first_row))
 
 
-def scenario_of(
-    session: ImagingSession, chosen: Sequence[Candidate], scans: tuple[Scan, ...]
-) -> Scenario:
+def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
     """Each scan a session of the body, on the same clock."""
-    request = session.request
+    request, arcs = session.request, [scan.arc for scan in scans]
     usual_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
-    first, last = session.ends(None, np.array([chosen[0].start_s, chosen[-1].stop_s]), 0.0)
-    exits = np.array([first, *(one.exit_state for one in chosen)])
-    entries = np.array([*(one.entry_state for one in chosen), last])
+    begins_s, lasts_s = zip(
+        *((np.array([arc.start_s]), arc.ticks * COMMAND_STEP_S) for arc in arcs), strict=True
+    )
+    exits = np.vstack(
+        [session.ends(None, begins_s[0], 0.0), *map(session.ends, arcs, begins_s, lasts_s)]
+    )
+    entries = np.vstack(
+        [*map(session.entries, arcs, begins_s), session.ends(None, begins_s[-1], lasts_s[-1])]
+    )
     start, goal = (Rotation.from_quat(states[:, :4]) for states in (exits, entries))
     is_far = (start.inv() * goal).magnitude() > OPTIONS.longest_rad
     far_ticks = session.slews.ticks(exits[is_far], entries[is_far])
@@ -124,7 +128,7 @@ def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Time
     Raises DoesNotFit; SearchEnded, InfeasibleSlew where it is the initial attitude's fault.
     """
     scans = scans_of(chosen)
-    scenario, ephemeris = scenario_of(session, chosen, scans), session.ephemeris
+    scenario, ephemeris = scenario_of(session, scans), session.ephemeris
     mover, owners = mover_of(scenario), [scan.candidate for scan in scans]
     try:
         joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
