@@ -36,8 +36,9 @@ class CandidateOptions:
     # more for half as much work again.
     grid_s: float = 1.0
     coarse_grid_s: float = 2.0
-    # requests squared by the session's time, up to which the pairs of a fine grid take some 15 s
-    dense_per_s: float = 10.0
+    # requests squared by the session's time, up to which the pairs of a fine grid take a fifth of
+    # the work there is at most
+    dense_per_s: float = 2.5
     stereo_steps: int = 5  # starts tried before and after that of the exact angle,
     stereo_step_ticks: int = 2  # so far apart
     # a slew's time hangs on where its goal has moved meanwhile: the first guess,
