@@ -28,7 +28,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())
 CITIES = (EXAMPLES / "campaign_cities.json").read_bytes()
 GALLERY = (EXAMPLES / "opportunities_gallery.json").read_bytes()
-STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 0}
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 0}
 EPOCH = datetime(2015, 2, 27, tzinfo=UTC)
 TOO_EARLY = LAS_VEGAS | {"sessions": [LAS_VEGAS["sessions"][0] | {"start": "2015-02-27T17:34:02Z"}]}
 

@@ -15,7 +15,7 @@ from app.http.app import create_app
 from app.requests.examples import CAMPAIGN_EXAMPLES, LAS_VEGAS, SPACECRAFT_EXAMPLES
 
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]
-STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 0}
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 0}
 TWO = copy.deepcopy(LAS_VEGAS) | {"name": "Ås and Vegas"}
 TWO["sessions"] = [
     {**LAS_VEGAS["sessions"][0], "id": "LV-7", "name": "Las Vegas, ÖST"},

@@ -21,7 +21,7 @@ from app.work.view import DRAWN
 from planner.motion.pointing.angles import boresight_platform
 
 FILL = 9.969209968386869e36  # NetCDF's own default for doubles
-STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 0}
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 0}
 SUN_CONE = next(
     example for _, example in PLAN_EXAMPLES.values() if example.get("slew", {}).get("keep_out")
 )

@@ -96,7 +96,7 @@ def test_it_is_flown_and_compared(client, plan):
 
 def test_a_session_of_the_spacecraft(client):
     path = "/v1/spacecraft/plans"
-    asked = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 1}
+    asked = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 1}
     made = post(client, path, asked)
     request = asked | {
         "name": HIDDEN,

@@ -18,7 +18,7 @@ from planner.planning.sessions.pipeline import make_plan
 from planner.spacecraft.plan import plan_imaging
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 2}
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 2}
 
 
 def plan_stages(tell):

@@ -83,7 +83,7 @@ def test_flights_and_telemetry_of_a_plan():
 
 def test_an_imaging_session():
     told = []
-    changes = {"objective": "smooth", "simulation_runs": 0}
+    changes = {"simulation_runs": 0}
     request = SPACECRAFT_EXAMPLES["geojson"][1] | changes
     plan = slewtrack.spacecraft.plan(request, progress=told.append)
     assert plan.passed

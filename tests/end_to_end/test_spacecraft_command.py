@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 from app.cli import main
 from app.requests.examples import FOUR_MODES, SPACECRAFT_EXAMPLES
 
-STRIP = {**SPACECRAFT_EXAMPLES["geojson"][1], "objective": "smooth", "simulation_runs": 1}
+STRIP = {**SPACECRAFT_EXAMPLES["geojson"][1], "simulation_runs": 1}
 
 
 def spacecraft(*words, request=None):
