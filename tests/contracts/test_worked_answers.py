@@ -56,6 +56,7 @@ AGREED_OF_FLIGHTS = {
 # Of the spacecraft's slews: the jerk is flat about its least, so that a last digit moves a slew's
 # extremes, and how its end shakes the structure, by a percent or two.
 AGREED_OF_SLEWS = 0.05, 2e-4
+AGREED_OF_SMEAR_PX = 0.05, 0.005  # less than any image shows
 NUMBER = re.compile(r"[-+]?\d+\.\d+(?:[eE][-+]?\d+)?")
 
 
@@ -76,6 +77,8 @@ def differences(shown, given, where="", agreed=AGREED):
             of_flights = AGREED_OF_FLIGHTS.get(name, agreed) if "/flights" in where else agreed
             if name.startswith("/v1/spacecraft/plans"):
                 of_flights = AGREED_OF_SLEWS
+            elif name == "smear_px" and "/v1/spacecraft" in where:
+                of_flights = AGREED_OF_SMEAR_PX
             # There it is also of a plan's id.
             names_a_plan = "/flights" in where or "/comparisons" in where
             chance = agreed is None or (name == "input_sha256" and names_a_plan)
