@@ -60,7 +60,7 @@ def rest(*_: object) -> Result:
 
 def hang(request: bytes, *_: object) -> Result:
     note(request)
-    return rest()
+    return spin()
 
 
 def die(request: bytes, *_: object) -> Result:
