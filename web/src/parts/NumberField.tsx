@@ -1,7 +1,6 @@
 /** Numbers that are taken once they are typed. */
-import { useState } from "preact/hooks";
-
 import { type Control, Field } from "./Field";
+import { useTyped } from "./typed";
 
 interface NumberProps extends Partial<Control> {
   class?: string;
@@ -17,22 +16,20 @@ interface NumberProps extends Partial<Control> {
   onClear?: () => void;
 }
 
-/** One beyond its ends is not taken.  What is drawn anew while it is typed leaves it as it is. */
+/** One beyond its ends is not taken. */
 export function TypedNumber({ least, most, value, onValue, onClear, ...others }: NumberProps) {
-  const [typed, setTyped] = useState<string | null>(null);
+  const typed = useTyped(value ?? "");
   return (
     <input
       {...others}
+      {...typed}
       type="number"
       min={least}
       max={most}
-      value={typed ?? value ?? ""}
-      onInput={(event) => setTyped(event.currentTarget.value)}
       onChange={(event) => {
         const given = event.currentTarget.valueAsNumber;
         if (given >= least && given <= (most ?? given)) onValue(given);
-        else if (event.currentTarget.value === "" && Number.isNaN(given)) onClear?.();
-        setTyped(null);
+        else if (Number.isNaN(given)) onClear?.();
       }}
     />
   );

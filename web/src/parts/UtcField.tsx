@@ -1,8 +1,8 @@
 import type { ComponentChildren } from "preact";
-import { useState } from "preact/hooks";
 
 import { rfc3339 } from "../i18n/forms";
 import { Field } from "./Field";
+import { useTyped } from "./typed";
 
 interface Props {
   label: ComponentChildren;
@@ -17,22 +17,20 @@ interface Props {
   onClear?: () => void;
 }
 
-/** A date and time of day in UTC, to the second or finer.  What is drawn anew while it is typed leaves it as it is. */
+/** A date and time of day in UTC, to the second or finer. */
 export function UtcField({ label, hint, error, value, step_s = 1, onValue, onClear }: Props) {
   const given_ms = Date.parse(value ?? "");
   const isFine = step_s < 1 || given_ms % 1000 !== 0;
   const given = Number.isFinite(given_ms) ? new Date(given_ms).toISOString().slice(0, isFine ? 23 : 19) : "";
-  const [typed, setTyped] = useState<string | null>(null);
+  const typed = useTyped(given);
   return (
     <Field label={label} hint={hint} error={error}>
       {(control) => (
         <input
           {...control}
+          {...typed}
           type="datetime-local"
           step={isFine ? 0.001 : step_s}
-          value={typed ?? given}
-          onInput={(event) => setTyped(event.currentTarget.value)}
-          onBlur={() => setTyped(null)}
           onChange={(event) => {
             const chosen_ms = Date.parse(`${event.currentTarget.value}Z`);
             if (Number.isFinite(chosen_ms)) onValue(rfc3339(chosen_ms));

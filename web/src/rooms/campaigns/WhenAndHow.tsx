@@ -32,8 +32,7 @@ export function WhenAndHow({ request, onChange }: Props) {
       <div class="weights">
         <NumberField
           label={text.days}
-          least={0.01}
-          most={31}
+          least={0.001}
           step="any"
           value={Number.isFinite(days) ? Number(days.toFixed(3)) : null}
           onValue={(days) => onChange({ stop: rfc3339(Date.parse(start) + days * DAY_MS) })}

@@ -6,21 +6,22 @@ import { Field } from "../../parts/Field";
 import { FoldedFields } from "../../parts/fields/FoldedFields";
 import type { Members } from "../../parts/fields/shape";
 import { NumberField } from "../../parts/NumberField";
+import { useTyped } from "../../parts/typed";
 import * as draft from "./draft";
 
 export function SpanFields() {
   const text = words.value.plan.span;
   const mode = draft.target.value?.mode;
   const isInSpace = SEARCHED_MODES.some((one) => one === mode) && !EARTH_FIXED_MODES.some((one) => one === mode);
-  const local = rfc3339(draft.from_ms.value).slice(0, 16);
+  const from = useTyped(rfc3339(draft.from_ms.value).slice(0, 16));
   return (
     <div class="span-fields">
       <Field label={text.from}>
         {(props) => (
           <input
             {...props}
+            {...from}
             type="datetime-local"
-            value={local}
             onChange={(event) => {
               const given = Date.parse(`${event.currentTarget.value}Z`);
               if (Number.isFinite(given)) draft.from_ms.value = given;
