@@ -201,33 +201,7 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    search = Search(networks, looking, first_unheld, options)
-    return found_by(search, tell, prove)
-
-
-def found_by(search: "Search", tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
-    """The choice of a search.
-
-    prove: the bound at prices, told as soon as these are found.
-    """
-    greedy_value = search.begin()
-    search.take_groups()
-    mixture = search.find_prices(tell)
-    if prove is not None:
-        tell("bound", 0, 1, value=search.value)
-        tell("bound", 1, 1, value=search.value, bound=prove(search.price))
-    if mixture is not None:
-        search.make_whole(mixture, tell)
-        search.put_together(tell)
-    search.take_groups()
-    search.fill_exactly()
-    return CampaignChoice(
-        passes=tuple(search.best),
-        value=search.value,
-        greedy_value=greedy_value,
-        price=search.price,
-        row_price=search.row_price,
-    )
+    return Search(networks, looking, first_unheld, options).found(tell, prove)
 
 
 def refill(
@@ -271,6 +245,30 @@ class Search:
         self._proposed: dict[Proposal, None] = {}
         self._holds = False  # whether paths that passes take at prices are such as can be held
         self._is_priced = False
+
+    def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
+        """The choice, after all of the search.
+
+        prove: the bound at prices, told as soon as these are found.
+        """
+        greedy_value = self.begin()
+        self.take_groups()
+        mixture = self.find_prices(tell)
+        if prove is not None:
+            tell("bound", 0, 1, value=self.value)
+            tell("bound", 1, 1, value=self.value, bound=prove(self.price))
+        if mixture is not None:
+            self.make_whole(mixture, tell)
+            self.put_together(tell)
+        self.take_groups()
+        self.fill_exactly()
+        return CampaignChoice(
+            passes=tuple(self.best),
+            value=self.value,
+            greedy_value=greedy_value,
+            price=self.price,
+            row_price=self.row_price,
+        )
 
     def begin(self) -> float:
         """With what is worth most in each pass, one pass after another; its worth."""

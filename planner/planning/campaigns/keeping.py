@@ -20,7 +20,6 @@ from planner.planning.campaigns.choice import (
     Search,
     bound_at,
     choose,
-    found_by,
 )
 from planner.planning.campaigns.network import NO_COST, Network
 from planner.planning.campaigns.path import Look, Path, Worth
@@ -76,7 +75,7 @@ def choose_keeping(
     if keeping.keeps(free.passes):
         return free, ()
     search = _KeepingSearch(networks, looking, first_unheld, options, keeping, free)
-    choice = found_by(search, tell)
+    choice = search.found(tell)
     return choice, tuple(search.rows[: len(choice.row_price)])
 
 
