@@ -1,4 +1,4 @@
-/** What is being typed into a field, until the field is left. */
+/** The text being typed into a field, kept until the field is left. */
 import type { TargetedEvent } from "preact";
 import { useState } from "preact/hooks";
 
