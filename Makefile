@@ -128,7 +128,7 @@ test-page: setup web $(KERNELS)
 # the tutorial gives every kind of command, here and to a service.
 OF_PROCESSES := $(patsubst %,tests/contracts/test_%.py,client client_faults cluster worker_process hostile \
 	http_in_child http_refusals limits observability slow_readers stopping worked_answers)
-OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,command_line operations python_door resilience \
+OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,command_line operations python_door \
 	start_failures tutorial)
 OF_PYTHON := tests/architecture/test_compiled.py tests/architecture/test_uvicorn.py \
 	tests/published/test_messages_oem.py tests/published/test_aem.py tests/published/test_time_scales.py \
