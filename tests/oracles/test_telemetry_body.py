@@ -3,6 +3,8 @@
 Of other_body.py's flights, which know the table's columns alone.
 """
 
+from functools import cache
+
 import numpy as np
 import other_body
 import pytest
@@ -32,6 +34,17 @@ def columns(plan):
 
 def flown(**changes):
     return Flown(bias_arcsec=BIAS_ARCSEC, gyro_bias_arcsec_s=GYRO_ARCSEC_S, **changes)
+
+
+@pytest.fixture(scope="module")
+def comparisons(plan, columns):
+    """By the wander: of six flights each, which several tests ask."""
+    return cache(
+        lambda wander_arcsec: [
+            compare(plan, written(columns, flown(wander_arcsec=wander_arcsec), seed))
+            for seed in SEEDS
+        ]
+    )
 
 
 def off(estimate, true, scale=1.0):
@@ -64,11 +77,9 @@ def test_names_of_the_table_that_hold_another_order_are_told(plan, columns):
 
 
 @pytest.mark.parametrize("wander_arcsec", [0.0, 10.0])
-def test_clock_and_biases_are_found_within_their_sigmas(plan, columns, wander_arcsec):
-    given = flown(wander_arcsec=wander_arcsec)
+def test_clock_and_biases_are_found_within_their_sigmas(comparisons, wander_arcsec):
     all_off = []
-    for seed in SEEDS:
-        found = compare(plan, written(columns, given, seed))
+    for found in comparisons(wander_arcsec):
         alignment = found.alignment
         all_off += [off(alignment.common_offset_s, 0.37), off(alignment.drift, 20e-6)]
         for axis, bias, gyro in zip(found.axes, BIAS_ARCSEC, GYRO_ARCSEC_S, strict=True):
@@ -96,10 +107,9 @@ def test_the_axis_that_is_late_is_told(plan, columns):
     assert np.max(np.abs(offsets)) < 4.0
 
 
-def test_wander_and_noise_are_told_apart(plan, columns):
+def test_wander_and_noise_are_told_apart(comparisons):
     found_off = []
-    for seed in SEEDS:
-        found = compare(plan, written(columns, flown(wander_arcsec=10.0), seed))
+    for found in comparisons(10.0):
         for axis in found.axes:
             found_off.append(off(axis.noise_rad, 5.0, ARCSEC))
             found_off.append(off(axis.wander_rad, 10.0, ARCSEC))
@@ -109,8 +119,8 @@ def test_wander_and_noise_are_told_apart(plan, columns):
     assert np.sqrt(np.mean(np.square(found_off))) < 1.5
 
 
-def test_noise_alone_is_no_wander(plan, columns):
-    for axis in compare(plan, written(columns, flown(), 2)).axes:
+def test_noise_alone_is_no_wander(comparisons):
+    for axis in comparisons(0.0)[2].axes:
         assert axis.wander_rad is None
         assert abs(off(axis.noise_rad, 5.0, ARCSEC)) < 4.0
 
