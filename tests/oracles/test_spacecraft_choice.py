@@ -17,9 +17,15 @@ from planner.spacecraft.imaging.session import GroundArc, make_session
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.requests import StripRequest
 from planner.spacecraft.vehicle import AgileSpacecraft
+from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 
 BODY = AgileSpacecraft().platform()
 SLEWS = Slews(platform=BODY)
+SIX_SECONDS = GroundPathTarget(
+    points=tuple(PathPoint(latitude_deg=at_deg, longitude_deg=0.0) for at_deg in (5.0, 5.27)),
+    line="plane",
+    speed_m_s=4977.0,  # 30 rows
+)
 
 
 def state(turn_rad, rate_rad_s=0.0):
@@ -29,13 +35,7 @@ def state(turn_rad, rate_rad_s=0.0):
 
 
 def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
-    arc = GroundArc(
-        latitude_rad=(0.1, 0.11),
-        longitude_rad=(0.0, 0.0),
-        height_m=0.0,
-        start_s=start_s,
-        duration_s=6.0,
-    )
+    arc = GroundArc(path=SIX_SECONDS, start_s=start_s)
     tilted = state([0.0, 0.0, pitch_rad], rate_rad_s)
     return Candidate(
         request=request, part=part, arcs=(arc,), entry_state=tilted, exit_state=tilted, tilt_rad=0.0

@@ -1,22 +1,18 @@
 """The ground arcs that the scans of a request follow, in every order they may be scanned."""
 
-import math
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 import numpy as np
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
-from planner.spacecraft.requests import (
-    AreaRequest,
-    CorridorRequest,
-    ImagingRequest,
-    Request,
-    StereoRequest,
-)
+from planner.spacecraft.requests import AreaRequest, CorridorRequest, Request, StereoRequest
 from planner.world.targets.geojson import Position
+from planner.world.targets.imaging import IMAGING_MODES, ImagingMode
 from planner.world.targets.strips import StripPattern, strip_pattern
+
+Ends = tuple[Position, Position]
 
 
 def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundArc]]:
@@ -25,28 +21,17 @@ def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundAr
     A corridor's legs as they are given, other arcs in the sense of flight; by a reversible
     detector to and fro.
     """
-    if isinstance(request, AreaRequest):
-        arcs = _cut_strips(request, session)
-    else:
-        arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
+    mode, lines = _mode(request), list(_lines(request, session))
     if isinstance(request, CorridorRequest):
-        return [arcs]
-    forward = [_along_flight(arc, session) for arc in arcs]
+        return [[GroundArc(path=mode.path_between(*ends)) for ends in lines]]
+    forward = [mode.in_sense(ends, session.passing) for ends in lines]
+    senses = [[GroundArc(path=mode.path_between(*ends)) for ends in forward]]
     if not session.platform.camera.both_ways:
-        return [forward]
-    senses = [(arc, replace(arc.turned_round(), backwards=True)) for arc in forward]
-    return [[both[(k + first) % 2] for k, both in enumerate(senses)] for first in (0, 1)]
-
-
-def _arc(start: Position, end: Position, request: ImagingRequest) -> GroundArc:
-    arc = GroundArc(
-        latitude_rad=(math.radians(start[1]), math.radians(end[1])),
-        longitude_rad=(math.radians(start[0]), math.radians(end[0])),
-        height_m=request.height_m,
-        start_s=0.0,
-        duration_s=1.0,
+        return senses
+    senses.append(
+        [GroundArc(path=mode.path_between(*ends[::-1]), backwards=True) for ends in forward]
     )
-    return replace(arc, duration_s=arc.length_m() / request.scan_speed_m_s)
+    return [[senses[(k + first) % 2][k] for k in range(len(lines))] for first in (0, 1)]
 
 
 def least_time_s(request: Request, session: ImagingSession) -> tuple[int, float]:
@@ -56,10 +41,32 @@ def least_time_s(request: Request, session: ImagingSession) -> tuple[int, float]
         scans = pattern.count
         scan_s = scans * (pattern.to_m - pattern.from_m) / request.scan_speed_m_s
     else:
-        arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
+        mode, lines = _mode(request), pairwise(request.geometry.coordinates)
+        lasts_s = [mode.path_between(*ends).duration_s for ends in lines]
         looks = 2 if isinstance(request, StereoRequest) else 1
-        scans, scan_s = looks * len(arcs), looks * sum(arc.duration_s for arc in arcs)
+        scans, scan_s = looks * len(lasts_s), looks * sum(lasts_s)
     return scans, scan_s + (scans - 1) * max(session.slews.settle_s, COMMAND_STEP_S)
+
+
+def _mode(request: Request) -> ImagingMode:
+    """The imaging mode that says the same of a session of any platform."""
+    mode: Callable[..., ImagingMode] = IMAGING_MODES[request.mode]
+    return mode(
+        geometry=request.geometry,
+        speed_m_s=request.scan_speed_m_s,
+        height_m=request.height_m,
+        line="plane",
+    )
+
+
+def _lines(request: Request, session: ImagingSession) -> Iterable[Ends]:
+    """Of an area parallel strips over the polygon's bounding box in scan direction."""
+    if not isinstance(request, AreaRequest):
+        return pairwise(request.geometry.coordinates)
+    pattern = _strip_pattern(request, session)
+    ends_m = np.array([pattern.from_m, pattern.to_m])
+    strips = (pattern.positions(ends_m, pattern.aside_m(k)) for k in range(pattern.count))
+    return ((first, last) for first, last in strips)
 
 
 def _strip_pattern(request: AreaRequest, session: ImagingSession) -> StripPattern:
@@ -72,18 +79,3 @@ def _strip_pattern(request: AreaRequest, session: ImagingSession) -> StripPatter
         swath_m,
         swath_m,
     )
-
-
-def _cut_strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
-    """Parallel strips over the polygon's bounding box in scan direction."""
-    pattern = _strip_pattern(request, session)
-    ends_m = np.array([pattern.from_m, pattern.to_m])
-    strips = (pattern.positions(ends_m, pattern.aside_m(k)) for k in range(pattern.count))
-    return [_arc(first, last, request) for first, last in strips]
-
-
-def _along_flight(arc: GroundArc, session: ImagingSession) -> GroundArc:
-    """The arc in the sense of the flight."""
-    (start_itrf_m, end_itrf_m), _ = arc.point_itrf(np.array([0.0, 1.0]))
-    v_itrf_m_s = session.passing.velocity_passing(start_itrf_m)
-    return arc if (end_itrf_m - start_itrf_m) @ v_itrf_m_s >= 0.0 else arc.turned_round()

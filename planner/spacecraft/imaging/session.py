@@ -24,23 +24,32 @@ from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
+from planner.world.targets.ground_path import GroundPathTarget
 from planner.world.targets.passing import Passing
-from planner.world.targets.plane_arc import PlaneArc
 
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
 
 
 @dataclass(frozen=True, kw_only=True)
-class GroundArc(PlaneArc):
+class GroundArc:
     """An arc over the ground, scanned from `start_s` on.
 
-    start_s: seconds since the session's epoch when P0 is under the slit.  backwards: the
-    detector runs in its other sense (X against the motion).
+    path: of the line plane.  start_s: seconds since the session's epoch when its first point is
+    under the slit.  backwards: the detector runs in its other sense (X against the motion).
     """
 
-    start_s: float
-    duration_s: float
+    path: GroundPathTarget
+    start_s: float = 0.0
     backwards: bool = False
+
+    @property
+    def duration_s(self) -> float:
+        return self.path.duration_s
+
+    def point_itrf(self, share: Array) -> tuple[Array, Array]:
+        """As of `PlaneArc`."""
+        assert self.path.plane_arc is not None
+        return self.path.plane_arc.point_itrf(share)
 
     @property
     def ticks(self) -> int:

@@ -25,7 +25,6 @@ from planner.spacecraft.requests import ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
-from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,20 +102,9 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
 
 
 def _session_of(session: ImagingSession, scan: Scan) -> Session:
-    arc = scan.arc
-    points = tuple(
-        PathPoint(
-            latitude_deg=math.degrees(latitude_rad),
-            longitude_deg=math.remainder(math.degrees(longitude_rad), 360.0),
-            height_m=arc.height_m,
-        )
-        for latitude_rad, longitude_rad in zip(arc.latitude_rad, arc.longitude_rad, strict=True)
-    )
     return Session(
         name=session.request.requests[scan.candidate.request].name,
-        target=GroundPathTarget(
-            points=points, line="plane", speed_m_s=arc.length_m() / arc.duration_s
-        ),
+        target=scan.arc.path,
         start=shifted_utc(session.epoch_utc, scan.arc.first_row / ROWS_PER_S),
         stop=shifted_utc(session.epoch_utc, scan.arc.last_row / ROWS_PER_S),
     )

@@ -201,11 +201,11 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
             members={"points": [vars(point) for point in self.with_heights().points]},
         )
 
-    @property
+    @cached_property
     def duration_s(self) -> float:
         """Seconds from the first point to the last."""
-        if self._plane_arc is not None:
-            return self._plane_arc.length_m() / self.speed_m_s
+        if self.plane_arc is not None:
+            return self.plane_arc.length_m() / self.speed_m_s
         return float(self._legs.passing_s[-1])
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
@@ -225,8 +225,8 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                 field="start",
             )
         t_s = instants.since_s(self.start)
-        if self._plane_arc is not None:
-            return self._plane_arc.point_itrf(t_s / self.duration_s)[0]
+        if self.plane_arc is not None:
+            return self.plane_arc.point_itrf(t_s / self.duration_s)[0]
         legs = self._legs
         halfway_s = (legs.passing_s[1:] + legs.passing_s[:-1]) / 2.0
         nearest = np.searchsorted(halfway_s, t_s)
@@ -240,7 +240,8 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
         return r_itrf_m
 
     @cached_property
-    def _plane_arc(self) -> PlaneArc | None:
+    def plane_arc(self) -> PlaneArc | None:
+        """Of the line plane."""
         if self.line != "plane":
             return None
         a, b = self.points

@@ -109,7 +109,7 @@ class ImagingMode(SessionTarget):
 
     has_windows: ClassVar[bool] = False
 
-    speed_m_s: Annotated[float, Within(1.0, 10e3)] = 60e3 / 11.0
+    speed_m_s: Annotated[float, Within(1.0, 12e3)] = 60e3 / 11.0
     height_m: HeightM | None = None
     terrain: Terrain | None = None
     line: PathLine = "geodesic"
@@ -228,12 +228,12 @@ class ImagingMode(SessionTarget):
         except ValueError as error:
             raise ValueError(f"target: {error}") from None
 
-    def _in_sense(
-        self, ends: tuple[Position, Position], window: ScanWindow
+    def in_sense(
+        self, ends: tuple[Position, Position], passing: Passing
     ) -> tuple[Position, Position]:
         """The ends in the sense of the flight."""
         start_itrf_m, end_itrf_m = places_itrf_m(ends, self._level_m(ends))
-        v_itrf_m_s = window.passing.velocity_passing(start_itrf_m)
+        v_itrf_m_s = passing.velocity_passing(start_itrf_m)
         return ends if (end_itrf_m - start_itrf_m) @ v_itrf_m_s >= 0.0 else ends[::-1]
 
 
@@ -261,7 +261,9 @@ class _LineMode(ImagingMode):
 
     def _ends(self, window: ScanWindow) -> tuple[Position, Position]:
         first, last = self.geometry.coordinates
-        return (first, last) if window.scanning.both_ways else self._in_sense((first, last), window)
+        if window.scanning.both_ways:
+            return first, last
+        return self.in_sense((first, last), window.passing)
 
 
 @spec
@@ -366,7 +368,7 @@ class AreaMode(ImagingMode):
         )
         paths: list[GroundPathTarget] = []
         for number, pieces in enumerate(filter(None, strips)):
-            forth = self._in_sense(pieces[0], window) == pieces[0]
+            forth = self.in_sense(pieces[0], window.passing) == pieces[0]
             if window.scanning.both_ways and number % 2:
                 forth = not forth
             in_order = pieces if forth else [piece[::-1] for piece in reversed(pieces)]

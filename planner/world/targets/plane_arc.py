@@ -1,7 +1,6 @@
 """Arcs over the ground in the plane through two points and the Earth's centre."""
 
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,12 +19,6 @@ class PlaneArc:
     latitude_rad: tuple[float, float]
     longitude_rad: tuple[float, float]
     height_m: float
-
-    def turned_round(self) -> Self:
-        """The arc from P1 to P0."""
-        return replace(
-            self, latitude_rad=self.latitude_rad[::-1], longitude_rad=self.longitude_rad[::-1]
-        )
 
     def length_m(self) -> float:
         """Along the ground from P0 to P1."""
