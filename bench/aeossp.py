@@ -62,12 +62,11 @@ CLEAR_DEG = 8.0  # the attitude's turn between two looks beyond twice the cone, 
 FLEET = replace(OPTIONS, gap_enough=2e-5, mixture_enough=2e-5, priced_labels_max=20_000)
 
 
-class Agility(NamedTuple):
-    """rate_deg_s, acceleration_deg_s2: the greatest.  settle_s: after each slew."""
+Agility = tuple[float, float, float]
+"""The greatest rate (deg/s) and acceleration (deg/s2), and settling after each slew (s).
 
-    rate_deg_s: float
-    acceleration_deg_s2: float
-    settle_s: float
+Compiled code that takes a class of a script's own is compiled anew in each run.
+"""
 
 
 class Battery(NamedTuple):
@@ -186,10 +185,10 @@ def _satellite(
         id=told["satellite_id"],
         sensor=told["sensor"]["sensor_type"],
         off_nadir_max_deg=attitude["max_off_nadir_deg"],
-        agility=Agility(
-            attitude["max_slew_velocity_deg_per_s"],
-            attitude["max_slew_acceleration_deg_per_s2"],
-            attitude["settling_time_s"],
+        agility=(
+            float(attitude["max_slew_velocity_deg_per_s"]),
+            float(attitude["max_slew_acceleration_deg_per_s2"]),
+            float(attitude["settling_time_s"]),
         ),
         battery=Battery(
             power["battery_capacity_wh"],
@@ -212,7 +211,7 @@ def passes_of(case: Case) -> list[Pass]:
     for satellite in case.satellites:
         ways = _ways(case, satellite)
         widest_deg = 2.0 * satellite.off_nadir_max_deg + CLEAR_DEG
-        longest_s = slew_s(widest_deg, satellite.agility) + satellite.agility.settle_s
+        longest_s = slew_s(widest_deg, satellite.agility) + satellite.agility[2]
         reach = math.ceil(longest_s / case.step_s)
         latest = np.maximum.accumulate(ways[:, 2])
         cuts = np.flatnonzero(ways[1:, 1] - latest[:-1] >= reach) + 1
@@ -268,7 +267,7 @@ def _one_pass(case: Case, satellite: Satellite, ways: Indices, number: int, reac
     )
     _fill_arrivals(network, least, los_eci, satellite.agility, float(case.step_s))
     # No look fits before these: they begin from nadir.
-    early = rows * case.step_s < 2.0 * satellite.agility.settle_s + case.step_s * int(
+    early = rows * case.step_s < 2.0 * satellite.agility[2] + case.step_s * int(
         case.tasks.steps.min()
     )
     for cell in np.flatnonzero(early).tolist():
@@ -281,20 +280,18 @@ def _one_pass(case: Case, satellite: Satellite, ways: Indices, number: int, reac
 @compiled
 def slew_s(angle_deg: float, agility: Agility) -> float:
     """By a constant acceleration, up to a constant rate, without settling."""
-    turning_deg = agility.rate_deg_s**2 / agility.acceleration_deg_s2
+    rate_deg_s, acceleration_deg_s2, _ = agility
+    turning_deg = rate_deg_s**2 / acceleration_deg_s2
     if angle_deg <= turning_deg:
-        return float(2.0 * math.sqrt(angle_deg / agility.acceleration_deg_s2))
-    return float(
-        2.0 * agility.rate_deg_s / agility.acceleration_deg_s2
-        + (angle_deg - turning_deg) / agility.rate_deg_s
-    )
+        return float(2.0 * math.sqrt(angle_deg / acceleration_deg_s2))
+    return float(2.0 * rate_deg_s / acceleration_deg_s2 + (angle_deg - turning_deg) / rate_deg_s)
 
 
 @compiled
 def _between_s(from_eci: Array, to_eci: Array, agility: Agility) -> float:
     """Slew and settling between two directions."""
     cosine = min(max(np.dot(from_eci, to_eci), -1.0), 1.0)
-    return float(slew_s(math.degrees(math.acos(cosine)), agility) + agility.settle_s)
+    return float(slew_s(math.degrees(math.acos(cosine)), agility) + agility[2])
 
 
 @compiled

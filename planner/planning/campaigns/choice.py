@@ -245,6 +245,7 @@ class Search:
         self._proposed: dict[Proposal, None] = {}
         self._holds = False  # whether paths that passes take at prices are such as can be held
         self._is_priced = False
+        self._answered: dict[int, tuple[bytes, float, Path]] = {}  # at its latest own prices
 
     def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
         """The choice, after all of the search.
@@ -425,16 +426,16 @@ class Search:
 
     def _priced_path(self, number: int, worth: Worth) -> tuple[float, Path]:
         """Of a pass, and what none of its paths is worth more than."""
-        if not self._holds:
-            path = best_path(self._free[number], self._looking.settled(worth, number))
-            return path.value, path
+        free, settled = self._free[number], self._looking.settled(worth, number)
         if not self._is_priced:
-            path = self._held_path(number, worth)
+            path = self._held_path(number, worth) if self._holds else best_path(free, settled)
             return path.value, path
-        settled = self._looking.settled(worth, number)
-        most, path = bounded_path(self._free[number], settled, self._options.priced_labels_max)
-        is_held = self._first_unheld(path.looks) is None
-        return most, path if is_held else self._held_path(number, worth)
+        own = worth.price[free.target].tobytes()  # most passes' prices stand still near the end
+        if self._answered.get(number, (b"",))[0] != own:
+            most, path = bounded_path(free, settled, self._options.priced_labels_max)
+            is_held = self._first_unheld(path.looks) is None
+            self._answered[number] = own, most, path if is_held else self._held_path(number, worth)
+        return self._answered[number][1:]
 
     def keeps(self, passes: Passes, number: int, looks: tuple[Look, ...]) -> bool:
         """Whether a pass (-1: none) may have these looks beside what the others have."""
