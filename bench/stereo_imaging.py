@@ -166,9 +166,11 @@ def read_case(folder: Path) -> Case:
 
 
 def _satellite(told: dict[str, Any]) -> Satellite:
-    agility = ("max_slew_velocity_deg_per_s", "max_slew_acceleration_deg_per_s2", "settling_time_s")
+    rate, acceleration = "max_slew_velocity_deg_per_s", "max_slew_acceleration_deg_per_s2"
     orbit = TleOrbit(line1=told["tle_line1"], line2=told["tle_line2"])
-    return Satellite(told, orbit, Agility(*(told[name] for name in agility)))
+    return Satellite(
+        told, orbit, (float(told[rate]), float(told[acceleration]), float(told["settling_time_s"]))
+    )
 
 
 def looks_of(case: Case) -> Looks:
@@ -379,7 +381,7 @@ def _exclude(case: Case, looks: Looks) -> Mask:
     for number in np.unique(looks.satellite).tolist():
         agility, own = case.satellites[number].agility, np.flatnonzero(looks.satellite == number)
         some = looks.of(own)
-        spare_s = some.begin_s - some.stop_s[:, None] - agility.settle_s - SLEW_MARGIN_S
+        spare_s = some.begin_s - some.stop_s[:, None] - agility[2] - SLEW_MARGIN_S
         is_late = spare_s < slew_s(180.0, agility)
         i, j = np.nonzero(is_late & (spare_s > 0.0))
         cosine = np.einsum("ki,ki->k", some.ends_itrf[i], some.begins_itrf[j])
