@@ -31,6 +31,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
+from agility import Agility, between_s, slew_s
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled
@@ -60,13 +61,6 @@ BATTERY_MARGIN_WH = (
 CLEAR_DEG = 8.0  # the attitude's turn between two looks beyond twice the cone, while idle
 # Weights are multiples of 0.5 among some thousands: the usual thousandth of the bound is coarse.
 FLEET = replace(OPTIONS, gap_enough=2e-5, mixture_enough=2e-5, priced_labels_max=20_000)
-
-
-Agility = tuple[float, float, float]
-"""The greatest rate (deg/s) and acceleration (deg/s2), and settling after each slew (s).
-
-Compiled code that takes a class of a script's own is compiled anew in each run.
-"""
 
 
 class Battery(NamedTuple):
@@ -185,11 +179,7 @@ def _satellite(
         id=told["satellite_id"],
         sensor=told["sensor"]["sensor_type"],
         off_nadir_max_deg=attitude["max_off_nadir_deg"],
-        agility=(
-            float(attitude["max_slew_velocity_deg_per_s"]),
-            float(attitude["max_slew_acceleration_deg_per_s2"]),
-            float(attitude["settling_time_s"]),
-        ),
+        agility=Agility.told(attitude),
         battery=Battery(
             power["battery_capacity_wh"],
             power["initial_battery_wh"],
@@ -211,7 +201,7 @@ def passes_of(case: Case) -> list[Pass]:
     for satellite in case.satellites:
         ways = _ways(case, satellite)
         widest_deg = 2.0 * satellite.off_nadir_max_deg + CLEAR_DEG
-        longest_s = slew_s(widest_deg, satellite.agility) + satellite.agility[2]
+        longest_s = slew_s(widest_deg, satellite.agility) + satellite.agility.settle_s
         reach = math.ceil(longest_s / case.step_s)
         latest = np.maximum.accumulate(ways[:, 2])
         cuts = np.flatnonzero(ways[1:, 1] - latest[:-1] >= reach) + 1
@@ -267,31 +257,14 @@ def _one_pass(case: Case, satellite: Satellite, ways: Indices, number: int, reac
     )
     _fill_arrivals(network, least, los_eci, satellite.agility, float(case.step_s))
     # No look fits before these: they begin from nadir.
-    early = rows * case.step_s < 2.0 * satellite.agility[2] + case.step_s * int(
+    early = rows * case.step_s < 2.0 * satellite.agility.settle_s + case.step_s * int(
         case.tasks.steps.min()
     )
     for cell in np.flatnonzero(early).tolist():
         nadir = satellite.nadir_eci[rows[cell]]
-        needs_s = _between_s(nadir, los_eci[cell], satellite.agility)
+        needs_s = between_s(nadir, los_eci[cell], satellite.agility)
         network.begins[cell] = rows[cell] * case.step_s >= needs_s
     return Pass(satellite=satellite, network=network, los_eci=los_eci)
-
-
-@compiled
-def slew_s(angle_deg: float, agility: Agility) -> float:
-    """By a constant acceleration, up to a constant rate, without settling."""
-    rate_deg_s, acceleration_deg_s2, _ = agility
-    turning_deg = rate_deg_s**2 / acceleration_deg_s2
-    if angle_deg <= turning_deg:
-        return float(2.0 * math.sqrt(angle_deg / acceleration_deg_s2))
-    return float(2.0 * rate_deg_s / acceleration_deg_s2 + (angle_deg - turning_deg) / rate_deg_s)
-
-
-@compiled
-def _between_s(from_eci: Array, to_eci: Array, agility: Agility) -> float:
-    """Slew and settling between two directions."""
-    cosine = min(max(np.dot(from_eci, to_eci), -1.0), 1.0)
-    return float(slew_s(math.degrees(math.acos(cosine)), agility) + agility[2])
 
 
 @compiled
@@ -312,7 +285,7 @@ def _fill_arrivals(
                     continue
                 for step in range(max(leave, first[to]), last[to] - least[to] + 1):
                     cell = offset[to] + step - first[to]
-                    if (step - leave) * step_s >= _between_s(los, los_eci[cell], agility):
+                    if (step - leave) * step_s >= between_s(los, los_eci[cell], agility):
                         arrival[place + edge - begin] = cell
                         break
 
@@ -348,7 +321,7 @@ class Checker:
         """Slew and settling from the end of a look to the next, which begins at a step."""
         ends = before.first_step + int(self._steps[before.target])
         agility = self._pass_of[look.way].satellite.agility
-        return _between_s(self.los_eci(before, ends), self.los_eci(look, step), agility)
+        return between_s(self.los_eci(before, ends), self.los_eci(look, step), agility)
 
     def los_eci(self, look: Look, step: int) -> Array:
         one = self._pass_of[look.way]
@@ -369,9 +342,7 @@ def least_charge(
         start_s = float(look.first_step * step_s)
         if before is None:
             from_eci = satellite.nadir_eci[look.first_step]
-            needs_s = _between_s(
-                from_eci, checker.los_eci(look, look.first_step), satellite.agility
-            )
+            needs_s = between_s(from_eci, checker.los_eci(look, look.first_step), satellite.agility)
         else:
             needs_s = checker.needs_s(before, look, look.first_step)
         stop_s = start_s + float(case.tasks.steps[look.target] * step_s)

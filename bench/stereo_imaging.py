@@ -32,7 +32,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
-from aeossp import OFF_NADIR_MARGIN_DEG, Agility, slew_s, stage_clock
+from aeossp import OFF_NADIR_MARGIN_DEG, stage_clock
+from agility import Agility, slew_s
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
 from scipy.stats import binom
@@ -166,11 +167,8 @@ def read_case(folder: Path) -> Case:
 
 
 def _satellite(told: dict[str, Any]) -> Satellite:
-    rate, acceleration = "max_slew_velocity_deg_per_s", "max_slew_acceleration_deg_per_s2"
     orbit = TleOrbit(line1=told["tle_line1"], line2=told["tle_line2"])
-    return Satellite(
-        told, orbit, (float(told[rate]), float(told[acceleration]), float(told["settling_time_s"]))
-    )
+    return Satellite(told, orbit, Agility.told(told))
 
 
 def looks_of(case: Case) -> Looks:
@@ -381,7 +379,7 @@ def _exclude(case: Case, looks: Looks) -> Mask:
     for number in np.unique(looks.satellite).tolist():
         agility, own = case.satellites[number].agility, np.flatnonzero(looks.satellite == number)
         some = looks.of(own)
-        spare_s = some.begin_s - some.stop_s[:, None] - agility[2] - SLEW_MARGIN_S
+        spare_s = some.begin_s - some.stop_s[:, None] - agility.settle_s - SLEW_MARGIN_S
         is_late = spare_s < slew_s(180.0, agility)
         i, j = np.nonzero(is_late & (spare_s > 0.0))
         cosine = np.einsum("ki,ki->k", some.ends_itrf[i], some.begins_itrf[j])
