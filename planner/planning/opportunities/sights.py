@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -88,7 +89,7 @@ class Sight:
     def on_earth(self) -> bool:
         return not self.places.in_space
 
-    @property
+    @cached_property
     def images(self) -> bool:
         """Whether they are looked at to be imaged."""
         return all(target.images for target in self.targets)
