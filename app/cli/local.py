@@ -102,16 +102,13 @@ class _CommandsDesk(Desk):
 def choose_here(body: bytes) -> Result:
     """A campaign, of carriers with much to find on all processors, each in a child."""
     from app.jobs.executors import Task, run_here
-    from app.jobs.kinds import CAMPAIGN
+    from app.jobs.kinds import CAMPAIGN, CARRIERS
     from app.jobs.shares import Places, Sharing
     from app.jobs.worker_process import Stop
     from app.requests.campaign import read_campaign_request
     from app.work.campaign import carriers_apart, choose
 
     request = read_campaign_request(body)
-    given, shares = carriers_apart(body, request), CAMPAIGN.shares
-    if not given or shares is None:
-        return choose(body, request)
     most = (os.cpu_count() or 1) - 1
     places = Places(take=lambda: True, leave=lambda: None, most=most)
     task = Task(job_id="", bounds=CAMPAIGN.bounds, work=choose, arguments=())
@@ -120,7 +117,10 @@ def choose_here(body: bytes) -> Result:
     def tell(progress: Progress) -> None:
         report(progress.stage, progress.done, progress.of)
 
-    return choose(body, request, sharing.make(shares, given, task, Stop(), tell))
+    made: Sequence[bytes] = ()
+    while given := carriers_apart(body, request, made):
+        made = sharing.make(CARRIERS, given, task, Stop(), tell)
+    return choose(body, request, made)
 
 
 def chosen(request: bytes, progress: OnProgress) -> dict[str, Any]:

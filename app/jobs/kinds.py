@@ -84,14 +84,15 @@ SPACECRAFT_PLAN = JobKind(
 )
 
 
+CARRIERS = Shares(
+    may_be=may_be_shared, split=carriers_apart, work=find_looks, stage="opportunities"
+)
 CAMPAIGN = JobKind(
     name="campaign",
     # 1,000 targets over 7 days, the most one request may ask for, took 48 s of a core and 0.8 GB.
     bounds=Bounds(deadline_s=600.0, memory_mib=4000),
     work=choose,
-    shares=Shares(
-        may_be=may_be_shared, split=carriers_apart, work=find_looks, stage="opportunities"
-    ),
+    shares=CARRIERS,
     parts=PLAN,
     stages={
         "opportunities": 0,

@@ -25,7 +25,8 @@ class Shares:
     there are at a time.
 
     may_be: whether a request, by its bytes, could have any.  split: in a child, of the arguments
-    of the work; none where they aren't worth it.  work: in a child, of one of them.
+    of the work and what was made before; none where there is no more to do so.  work: in a child,
+    of one of them.
     stage: as it is reported.
     """
 
@@ -58,11 +59,11 @@ class Sharing:
         """As a RunTask does."""
         if not shares.may_be(task.arguments[0]):
             return self.run_task(task, stop, on_progress)
-        given = self.run_task(replace(task, work=shares.split), stop)
-        if given:
+        with_made = replace(task, arguments=(*task.arguments, []))
+        while given := self.run_task(replace(with_made, work=shares.split), stop):
             made = self.make(shares, given, task, stop, on_progress)
-            task = replace(task, arguments=(*task.arguments, made))
-        return self.run_task(task, stop, on_progress)
+            with_made = replace(task, arguments=(*task.arguments, made))
+        return self.run_task(with_made, stop, on_progress)
 
     def make(
         self,

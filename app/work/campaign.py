@@ -6,9 +6,10 @@ import pickle
 import re
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut, CarrierOut, FleetChoiceOut
@@ -49,25 +50,52 @@ def may_be_shared(body: bytes) -> bool:
 
 
 def carriers_apart(
-    body: bytes, request: CampaignRequest | FleetRequest | None = None
+    body: bytes,
+    request: CampaignRequest | FleetRequest | None = None,
+    found: Sequence[bytes] = (),
 ) -> Sequence[bytes]:
-    """What each carrier is to find its looks for, packed; none where that is soon done."""
-    from planner.planning.campaigns import requests_to_choose
+    """What each carrier is to find, packed; none where that is soon done, or all looks are found.
+
+    found: by `find_looks`, of what was to be found before.  A fleet that sees its targets often
+    finds first how well each carrier sees, and then the looks that are kept.
+    """
+    from planner.planning.campaigns import fewer_looks, looks_of_carrier, requests_to_choose
 
     request = request or read_campaign_request(body)
     if not isinstance(request, FleetRequest) or not request.is_large:
         return ()
     requests = requests_to_choose(request)
-    return [pickle.dumps(one) for one in requests.items()] if len(requests) > 1 else ()
+    if len(requests) < 2:
+        return ()
+    if not fewer_looks.sees_often(requests):
+        find = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
+        return () if found else [_share(carrier, find, one) for carrier, one in requests.items()]
+    if not found:
+        find_views = fewer_looks.seen_by_carrier
+        return [_share(carrier, find_views, one) for carrier, one in requests.items()]
+    if not isinstance(_unpacked(found[0])[1], fewer_looks.SeenByCarrier):
+        return ()
+    seen = dict(map(_unpacked, found))
+    kept = fewer_looks.looks_to_keep([one.views for one in seen.values()])
+    return [
+        _share(carrier, fewer_looks.kept_of_carrier, one.packed_windows, own)
+        for (carrier, one), own in zip(seen.items(), kept, strict=True)
+    ]
+
+
+def _share(carrier: str, find: Callable[..., object], *arguments: object) -> bytes:
+    return pickle.dumps((carrier, find, arguments))
 
 
 def find_looks(packed: bytes) -> bytes:
     """Of one carrier, by `carriers_apart`; raises a Refusal."""
-    from planner.planning.campaigns import looks_of_carrier
+    carrier, find, arguments = pickle.loads(packed)  # noqa: S301 (our own)
+    return zlib.compress(pickle.dumps((carrier, find(*arguments))), 1)
 
-    carrier, request = pickle.loads(packed)  # noqa: S301 (our own)
-    looks = looks_of_carrier(request, tell_nobody, modes_by_pass=True)
-    return zlib.compress(pickle.dumps((carrier, looks)), 1)
+
+def _unpacked(found: bytes) -> tuple[str, Any]:
+    told: tuple[str, Any] = pickle.loads(zlib.decompress(found))  # noqa: S301 (our own)
+    return told
 
 
 def choose(
@@ -83,7 +111,7 @@ def choose(
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    looks = dict(pickle.loads(zlib.decompress(one)) for one in found)  # noqa: S301 (our own)
+    looks = dict(map(_unpacked, found))
     requests, campaign = choose_what_is_asked(request, report, looks)
     words, told = {"": document}, _choice(request, campaign)
     if isinstance(request, FleetRequest):

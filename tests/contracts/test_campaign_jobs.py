@@ -23,10 +23,11 @@ from app.jobs.worker_process import ChildDied, Stop, Stopped
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, results
 from app.store.jobs import NewJob
-from app.work.campaign import carriers_apart, choose, without_refused
+from app.store.packed import unzip
+from app.work.campaign import carriers_apart, choose, find_looks, without_refused
 from app.work.plan import plan_and_pack
 from planner.base.errors import InvalidInput, Unreachable
-from planner.planning.campaigns import fleet
+from planner.planning.campaigns import fewer_looks, fleet
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
 
@@ -85,6 +86,22 @@ def test_looks_found_apart_make_the_same_choice_though_a_child_dies(
     assert [(one.done, one.of) for one in told] == [(done, 3) for done in range(4)]
     assert len(notes.pids()) > 3  # one died at least
     assert choose(FLEET, None, found) == chosen_at_once
+
+
+def test_a_fleet_that_sees_its_targets_often_keeps_some_looks_and_bounds_all(
+    chosen_at_once, monkeypatch
+):
+    monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
+    monkeypatch.setattr(fewer_looks, "KEPT_LOOKS", 1)
+    rounds, made = 0, ()
+    while given := carriers_apart(FLEET, None, made):
+        rounds, made = rounds + 1, [find_looks(one) for one in given]
+    assert rounds == 2
+    chosen = choose(FLEET, None, made)
+    assert chosen == choose(FLEET)
+    some, all_looks = (json.loads(unzip(one.document)) for one in (chosen, chosen_at_once))
+    assert some["value"] < all_looks["value"] <= some["bound"]
+    assert [one["target"] for one in some["unseen"]] == ["Reykjavik"]
 
 
 def test_shares_end_with_the_work_and_by_their_own_refusal(tmp_path):

@@ -16,6 +16,7 @@ from planner.planning.campaigns.carrier_looks import (
     CarrierLooks,
     first_utc,
     looks_of_carrier,
+    windows_of_carrier,
 )
 from planner.planning.campaigns.choice import CampaignChoice, bound_at
 from planner.planning.campaigns.chosen import (
@@ -25,6 +26,12 @@ from planner.planning.campaigns.chosen import (
     UnseenByAll,
 )
 from planner.planning.campaigns.displaced import Displaced, displaced_by
+from planner.planning.campaigns.fewer_looks import (
+    KeptLooks,
+    best_views,
+    looks_to_keep,
+    sees_often,
+)
 from planner.planning.campaigns.fleet import FleetRequest
 from planner.planning.campaigns.flown import resources_left
 from planner.planning.campaigns.joined import Joined, Relaxed, joined_of
@@ -221,8 +228,16 @@ def _joined(requests: Mapping[str, CampaignRequest], tell: Reporter) -> Joined:
     found = {}
     for number, (carrier, request) in enumerate(requests.items()):
         tell("opportunities", number, len(requests))
-        found[carrier] = looks_of_carrier(request, tell_nobody, modes_by_pass=True)
-    return joined_of(found)
+        found[carrier] = windows_of_carrier(request, modes_by_pass=True)
+    kept: Sequence[KeptLooks | tuple[()]] = [()] * len(found)
+    if sees_often(requests):
+        kept = looks_to_keep([best_views(one) for one in found.values()])
+    return joined_of(
+        {
+            carrier: one.with_looks(tell_nobody, *own)
+            for (carrier, one), own in zip(found.items(), kept, strict=True)
+        }
+    )
 
 
 def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Scenario:

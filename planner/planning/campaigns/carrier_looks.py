@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.at_once import done_at_once
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter
@@ -45,12 +45,12 @@ class _Aboard(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CarrierLooks:
-    """What one carrier can look at, and how its looks follow each other; goes through pickle.
+class CarrierWindows:
+    """When one carrier can look at what; goes through pickle.
 
     candidates: its own, by which everything here counts.  grid_s: from the request's start to the
     grid's first step.  settle_steps: before every look.  shortest: (candidates,), steps of the
-    shortest look, settling included.  networks: one a pass.
+    shortest look, settling included.
     """
 
     request: CampaignRequest
@@ -66,17 +66,70 @@ class CarrierLooks:
     looks: Looks
     settle_steps: int
     shortest: Indices
-    ways: Ways
     slewing: Slewing
     gaps: Gaps
-    networks: Sequence[Network]
 
     def __getstate__(self) -> dict[str, Any]:
         """What was found: the rest follows from the request."""
-        return {name: getattr(self, name) for name in _FOUND}
+        found = {field.name for field in fields(self)}.difference(_Aboard._fields)
+        return {name: getattr(self, name) for name in found}
 
     def __setstate__(self, found: dict[str, Any]) -> None:
         vars(self).update(found | _aboard(found["request"])._asdict())
+
+    def ways_to(self, kept: Mask | None = None) -> Ways:
+        """To follow all `looks`, or those kept."""
+        return ways_to_follow(
+            self.looks,
+            np.flatnonzero(np.ones(len(self.looks.target), np.bool_) if kept is None else kept),
+            self.candidates,
+            self._scanned,
+            self.shortest,
+            self.carrier,
+            self.viewing,
+            self.request.step_s,
+            self.grid_s,
+        )
+
+    @property
+    def _scanned(self) -> Mapping[int, ScannedLook]:
+        return {
+            number: ScannedLook(
+                path_at=_path_at(one),
+                roll=scan_roll(self.request, one.wanted),
+                settle_steps=self.settle_steps,
+                scan_steps=int(self.shortest[number]) - self.settle_steps,
+            )
+            for number, one in enumerate(self.candidates)
+            if one.scans
+        }
+
+    def with_looks(
+        self, tell: Reporter, kept: Mask | None = None, spare_quality: Array | None = None
+    ) -> "CarrierLooks":
+        """With the ways of all `looks`, or of those kept, and the slews between them."""
+        ways = self.ways_to(kept)
+        return CarrierLooks(
+            **{field.name: getattr(self, field.name) for field in fields(self)},
+            ways=ways,
+            spare_quality=(
+                np.zeros(len(self.candidates)) if spare_quality is None else spare_quality
+            ),
+            networks=_build_networks(ways, self.shortest, self.slewing, self.gaps, tell),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CarrierLooks(CarrierWindows):
+    """What one carrier can look at, and how its looks follow each other.
+
+    spare_quality: (candidates,), of the best looks that are left out of `ways`; 0 of none.
+    networks: one a pass.
+    """
+
+    ways: Ways
+    spare_quality: Array
+    networks: Sequence[Network]
 
     def pass_span_s(self, look_start_s: float, look_stop_s: float) -> tuple[float, float]:
         """When a pass with looks from start to stop begins at rest, and is at rest again."""
@@ -183,9 +236,6 @@ class CarrierLooks:
         return "motion", (self.follower.unable.format(least_s=least_s))
 
 
-_FOUND = frozenset(field.name for field in fields(CarrierLooks)).difference(_Aboard._fields)
-
-
 def _aboard(request: CampaignRequest) -> _Aboard:
     follower, grid_s = follower_of(request), _first_row_s(request)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
@@ -213,31 +263,19 @@ def looks_of_carrier(
     modes_by_pass: as in `candidates_of`.  Raises OutsideCoverage.
     """
     tell("opportunities", 0, 1)
-    aboard = _aboard(request)
-    follower, carrier, viewing, grid_s, settle_steps, gaps, slewing = aboard
-    found = opportunities_however_many(request.opportunities())
-    scans = scans_by_pass(request, request.modes, carrier, request.step_s)
-    candidates = candidates_of(request, scans.found, modes_by_pass)
-    windows = _windows_of(request, candidates, found.windows, follower.settle_s)
-    looks = _looks_in_passes(request, candidates, windows, follower, gaps.rest_s)
+    windows = windows_of_carrier(request, modes_by_pass=modes_by_pass)
     tell("ways", 0, 1)
-    shortest = np.array(
-        [settle_steps + one.length_steps(request.step_s)[0] for one in candidates], np.intp
-    )
-    scanned = {
-        number: ScannedLook(
-            path_at=_path_at(one),
-            roll=scan_roll(request, one.wanted),
-            settle_steps=settle_steps,
-            scan_steps=int(shortest[number]) - settle_steps,
-        )
-        for number, one in enumerate(candidates)
-        if one.scans
-    }
-    ways = ways_to_follow(
-        looks, candidates, scanned, shortest, carrier, viewing, request.step_s, grid_s
-    )
-    return CarrierLooks(
+    return windows.with_looks(tell)
+
+
+def windows_of_carrier(request: CampaignRequest, *, modes_by_pass: bool) -> CarrierWindows:
+    """When there is what to choose from; as `looks_of_carrier`."""
+    aboard = _aboard(request)
+    found = opportunities_however_many(request.opportunities())
+    scans = scans_by_pass(request, request.modes, aboard.carrier, request.step_s)
+    candidates = candidates_of(request, scans.found, modes_by_pass)
+    windows = _windows_of(request, candidates, found.windows, aboard.follower.settle_s)
+    return CarrierWindows(
         **aboard._asdict(),
         request=request,
         candidates=candidates,
@@ -245,10 +283,11 @@ def looks_of_carrier(
         windows=windows,
         warnings=found.warnings,
         scans=scans,
-        looks=looks,
-        shortest=shortest,
-        ways=ways,
-        networks=_build_networks(ways, shortest, slewing, gaps, tell),
+        looks=_looks_in_passes(request, candidates, windows, aboard.follower, aboard.gaps.rest_s),
+        shortest=np.array(
+            [aboard.settle_steps + one.length_steps(request.step_s)[0] for one in candidates],
+            np.intp,
+        ),
     )
 
 

@@ -116,6 +116,7 @@ class Looking:
     way_to: (groups,), number of what a group is one way to do.  way_limit: how many of its ways are
     taken at most.  settle_steps: (networks,), before a look begins in that pass.
     held_steps: whole steps that a look lasts at least, as length_steps.
+    spare_value: (targets,), no look that the networks leave out is worth more; 0 of groups.
     """
 
     length_steps: Indices
@@ -126,6 +127,7 @@ class Looking:
     way_limit: Array
     settle_steps: Indices
     held_steps: Indices = field(default_factory=lambda: NOT_HELD)
+    spare_value: Array = field(default_factory=lambda: np.zeros(1))
 
     @property
     def groups(self) -> int:
@@ -153,6 +155,20 @@ class Looking:
         taken = np.zeros(len(order), np.bool_)
         taken[order] = (place < self.way_limit[things]) & (value[order] > 0.0)
         return taken
+
+    def beside(self, price: Array) -> float:
+        """What all looks allowed pay at these prices, and those that no network has gain."""
+        spare = self._spare_looks(price) * (self.spare_value - price)
+        return float(self.allowed(price) @ price + spare.sum())
+
+    def _spare_looks(self, price: Array) -> Array:
+        """How many looks that no network has would gain at these prices, (targets,)."""
+        gains = (self.group < 0) & (self.spare_value > price)
+        return np.where(gains, self.look_limit, 0.0)
+
+    def wanted(self, passes: Iterable[Sequence[Look]], price: Array) -> Array:
+        """Looks taken at these prices beyond those that pay most, (targets,)."""
+        return self.looks_of(passes) + self._spare_looks(price) - self.allowed(price)
 
     def less_prices(self, price: Array) -> Worth:
         """The worth less a price for each observation, (targets,)."""
@@ -245,7 +261,9 @@ class Search:
         self._proposed: dict[Proposal, None] = {}
         self._holds = False  # whether paths that passes take at prices are such as can be held
         self._is_priced = False
-        self._answered: dict[int, tuple[bytes, float, Path]] = {}  # at its latest own prices
+        # Of each pass at its latest own prices.
+        self._answered: dict[int, tuple[bytes, float, Path]] = {}
+        self._fitted: dict[int, tuple[bytes, Path]] = {}
 
     def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
         """The choice, after all of the search.
@@ -291,7 +309,7 @@ class Search:
             bound, passes = self._answer_prices(price)
             if done % self._options.fill_every == 0:
                 self.refill_passes(self.fill_passes([()] * len(self._networks), price))
-            wanted = looking.looks_of(passes) - looking.allowed(price)
+            wanted = looking.wanted(passes, price)
             is_single = looking.group < 0
             wanted[(wanted < 0.0) & (price <= 0.0) & is_single] = 0.0
             square = float(wanted @ wanted)
@@ -449,7 +467,10 @@ class Search:
 
     def _fitting_path(self, number: int, worth: Worth, passes: Passes) -> Path:
         """The path of a pass that is worth most beside what the others have."""
-        return self._held_path(number, worth)
+        own = worth.price[self._free[number].target].tobytes()  # most stand still in a sweep
+        if self._fitted.get(number, (b"",))[0] != own:
+            self._fitted[number] = own, self._held_path(number, worth)
+        return self._fitted[number][1]
 
     def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
@@ -463,7 +484,7 @@ class Search:
         numbers = range(len(self._networks))
         answers = [*done_at_once(lambda number: self._priced_path(number, worth), numbers)]
         passes = [path.looks for _, path in answers]
-        lagrangian = float(self._looking.allowed(price) @ price)
+        lagrangian = self._looking.beside(price)
         lagrangian += sum(most for most, _ in answers)
         for number, looks in enumerate(passes):
             self._proposed.pop((number, looks), None)  # the latest come last
@@ -673,7 +694,7 @@ def bound_at(
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     orders_max = options.bound_orders_max // max(len(networks), 1)
     worth = looking.less_prices(price)
-    priced = float(looking.allowed(price) @ price) + room_value
+    priced = looking.beside(price) + room_value
     rents = rent_costs or [0.0] * len(networks)
 
     def most(number: int) -> float:

@@ -1,6 +1,6 @@
 """A request for a campaign of several carriers, which share its targets."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Annotated
@@ -23,6 +23,16 @@ class FleetBounds:
 
 
 BOUNDS = FleetBounds()
+
+
+def counted_target_days(requests: Iterable[CampaignRequest]) -> float:
+    """Of all carriers together."""
+    return sum(one.counted_target_days for one in requests)
+
+
+def are_many(requests: Iterable[CampaignRequest]) -> bool:
+    """Whether so many targets are looked at for so long that carriers are worth tasks."""
+    return counted_target_days(requests) >= BOUNDS.large_target_days
 
 
 @spec
@@ -91,12 +101,12 @@ class FleetRequest(CampaignCommon):
     @property
     def counted_target_days(self) -> float:
         """As of a campaign of one, of all carriers."""
-        return sum(one.counted_target_days for one in self.requests.values())
+        return counted_target_days(self.requests.values())
 
     @property
     def is_large(self) -> bool:
         """Whether it pays to find the looks of its carriers apart."""
-        return self.counted_target_days >= BOUNDS.large_target_days
+        return are_many(self.requests.values())
 
     def _require_known_sensors(self) -> None:
         sensors = {one.sensor for one in self.carriers} - {None}

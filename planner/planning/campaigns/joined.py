@@ -99,6 +99,9 @@ class Joined:
         length_steps = np.zeros((len(candidates), BOUNDS.lengths), np.intp)
         held_steps = np.zeros_like(length_steps)
         look_value = np.zeros((len(candidates), BOUNDS.lengths))
+        spare_quality = np.zeros(len(candidates))
+        for own, looks in zip(self.numbers, self.looks_by_carrier, strict=True):
+            np.maximum.at(spare_quality, own, looks.spare_quality)
         for number, one in enumerate(candidates):
             for place, length_s in enumerate(one.lengths_s):
                 length_steps[number, place] = one.length_steps(step_s)[place]
@@ -126,6 +129,7 @@ class Joined:
                 [self.looks_by_carrier[carrier].settle_steps for carrier, _ in self.order], np.intp
             ),
             held_steps=held_steps,
+            spare_value=look_value.max(axis=1, initial=0.0) * spare_quality,
         )
 
     def _things(self) -> list[object]:

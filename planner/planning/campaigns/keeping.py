@@ -194,7 +194,7 @@ class _KeepingSearch(Search):
         rows = self.rows[: len(row_price)]
         dear, rents, room_value = self._keeping.priced(self._free, rows, row_price)
         worth = self._looking.less_prices(price)
-        lagrangian = float(self._looking.allowed(price) @ price) + room_value
+        lagrangian = self._looking.beside(price) + room_value
         paths = done_at_once(
             lambda number: self._at(number, dear[number].cost, worth), range(len(dear))
         )

@@ -37,6 +37,7 @@ class Ways:
     """Every way to follow every target, ordered by pass; arrays of shape (w,).
 
     A way is an unbroken run of steps of one `Following` within all limits.
+    look: row of the `Looks` it was found in.
     first_step, steps: the run on the grid, at step_s k after the grid's start.
     offset: of its first row in states (n, s), as of `slew_fits`, and in quality (n,), of the view.
     scanned: whether it is a scan's: its states are then those in which a scan that began earlier
@@ -54,6 +55,7 @@ class Ways:
     quality: Array
     scanned: Mask
     begin_states: Array
+    look: Indices
 
 
 _Run = tuple[Indices, Indices, Indices, Array, Array, Array]
@@ -63,6 +65,7 @@ states, the quality and the states in which a look begins."""
 
 def ways_to_follow(
     looks: Looks,
+    wanted: Indices,
     targets: Sequence[Wanted],
     scanned: Mapping[int, ScannedLook],
     least_steps: Indices,
@@ -71,8 +74,8 @@ def ways_to_follow(
     step_s: float,
     grid_s: float,
 ) -> Ways:
-    """looks: as found.  scanned: those that scan, by row of targets.  least_steps: (targets,),
-    shorter ways are of no use.
+    """looks: as found.  wanted: rows of them.  scanned: those that scan, by row of targets.
+    least_steps: (targets,), shorter ways are of no use.
 
     grid_s: where step 0 lies on the carrier's clock, which `looks` counts on.
     """
@@ -80,7 +83,7 @@ def ways_to_follow(
     last = np.floor((looks.to_s - grid_s) / step_s + 1e-9).astype(np.intp)
     is_scan = np.isin(np.arange(len(targets)), list(scanned))
     found: list[_Run] = []
-    for rows, sight, which in _sight_batches(looks, targets, carrier, last - first + 1):
+    for rows, sight, which in _sight_batches(looks, wanted, targets, carrier, last - first + 1):
         held = ~is_scan[looks.target[rows]]
         found += _usable_runs(rows[held], first, last, sight, which[held], viewing, step_s, grid_s)
         for row, number in zip(rows[~held].tolist(), which[~held].tolist(), strict=True):
@@ -91,10 +94,15 @@ def ways_to_follow(
 
 
 def _sight_batches(
-    looks: Looks, targets: Sequence[Wanted], carrier: Carrier, steps: Indices
+    looks: Looks,
+    wanted: Indices,
+    targets: Sequence[Wanted],
+    carrier: Carrier,
+    steps: Indices,
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
     """Rows of `looks` (observations) seen alike, how, and the number of each one's target in it."""
-    for rows, sight, which in in_sights(looks.target, targets, carrier):
+    for seen, sight, which in in_sights(looks.target[wanted], targets, carrier):
+        rows = wanted[seen]
         batch = np.cumsum(steps[rows]) // BATCH
         cuts = np.flatnonzero(np.diff(batch)) + 1
         for part, number in zip(np.split(rows, cuts), np.split(which, cuts), strict=True):
@@ -216,4 +224,5 @@ def _gather_runs(
         quality=quality[rows],
         scanned=is_scan[looks.target[look]],
         begin_states=begin_states[rows] if is_scan.any() else kept,
+        look=look,
     )
