@@ -27,7 +27,7 @@ from app.store.packed import unzip
 from app.work.campaign import carriers_apart, choose, find_looks, without_refused
 from app.work.plan import plan_and_pack
 from planner.base.errors import InvalidInput, Unreachable
-from planner.planning.campaigns import fewer_looks, fleet
+from planner.planning.campaigns import fleet
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
 
@@ -91,8 +91,8 @@ def test_looks_found_apart_make_the_same_choice_though_a_child_dies(
 def test_a_fleet_that_sees_its_targets_often_keeps_some_looks_and_bounds_all(
     chosen_at_once, monkeypatch
 ):
-    monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
-    monkeypatch.setattr(fewer_looks, "KEPT_LOOKS", 1)
+    often = replace(fleet.BOUNDS, large_target_days=0.0, kept_looks=1)
+    monkeypatch.setattr(fleet, "BOUNDS", often)
     rounds, made = 0, ()
     while given := carriers_apart(FLEET, None, made):
         rounds, made = rounds + 1, [find_looks(one) for one in given]

@@ -9,17 +9,13 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.reporting import tell_nobody
+from planner.planning.campaigns import fleet
 from planner.planning.campaigns.carrier_looks import (
     CarrierLooks,
     CarrierWindows,
     windows_of_carrier,
 )
-from planner.planning.campaigns.fleet import are_many
 from planner.planning.campaigns.request import CampaignRequest
-
-# For each look that a target may have.  Fewer leave a choice less to give way with; more take
-# memory, which grows with the looks that lie near each other.
-KEPT_LOOKS = 12
 
 
 class BestViews(NamedTuple):
@@ -69,7 +65,7 @@ def kept_of_carrier(packed_windows: bytes, kept: KeptLooks) -> CarrierLooks:
 def sees_often(requests: Mapping[str, CampaignRequest]) -> bool:
     """Whether so many carriers look at so many targets that some looks at each are enough."""
     days = [(one.stop - one.start) / timedelta(days=1) for one in requests.values()]
-    return are_many(requests.values()) and sum(days) > KEPT_LOOKS
+    return fleet.are_many(requests.values()) and sum(days) > fleet.BOUNDS.kept_looks
 
 
 def best_views(windows: CarrierWindows) -> BestViews:
@@ -100,7 +96,7 @@ def looks_to_keep(views: Iterable[BestViews]) -> list[KeptLooks]:
     order = np.lexsort((-quality, target))
     rank = np.empty(len(order), np.intp)
     rank[order] = np.arange(len(order)) - np.searchsorted(target[order], target[order])
-    kept = (target < 0) | ((rank < KEPT_LOOKS * most) & (quality >= 0.0))
+    kept = (target < 0) | ((rank < fleet.BOUNDS.kept_looks * most) & (quality >= 0.0))
     spare_quality = np.zeros(len(names) + 1)  # the last of those of which all looks stay
     np.maximum.at(spare_quality, target[~kept], quality[~kept])
     ends = np.cumsum([len(one.candidate) for one in views])

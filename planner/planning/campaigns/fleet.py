@@ -20,6 +20,9 @@ class FleetBounds:
     carriers_max: int = 100  # each is searched for windows by itself
     target_days_max: float = 20_000.0  # counted for each carrier that may look at them
     large_target_days: float = 2000.0  # some ten seconds: then its carriers are searched apart
+    # For each look that a target may have, of a fleet that sees it oftener.  Fewer leave a choice
+    # less to give way with; more take memory, which grows with the looks near each other.
+    kept_looks: int = 12
 
 
 BOUNDS = FleetBounds()
