@@ -11,7 +11,6 @@ from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.json_reader import VALUES_MAX
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidMessage, InvalidRequest
-from planner.spacecraft.features import requests_from_features
 from planner.spacecraft.requests import ImagingPlanRequest, Request
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -30,7 +29,8 @@ def test_the_example_holds_every_mode():
 
 def test_features_and_request_say_the_same():
     text = (EXAMPLES / "spacecraft_four_modes.geojson").read_text(encoding="utf-8")
-    assert requests_from_features(json.loads(text)) == example()["requests"]
+    by_features = json.dumps(example() | {"requests": json.loads(text)}).encode()
+    assert read_spacecraft_request(by_features) == SCHEMA.validate_json(json.dumps(example()))
 
 
 @pytest.mark.parametrize(
