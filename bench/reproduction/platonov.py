@@ -52,7 +52,7 @@ from planner.motion.attitude.eigenaxis import quickest_angle
 from planner.motion.attitude.track import agility_limits, attitude_motion
 from planner.spacecraft.flights import camera_on, fly_many
 from planner.spacecraft.imaging.candidates import candidates
-from planner.spacecraft.imaging.choice_with_slews import options_of
+from planner.spacecraft.imaging.choice import options_of
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.plan import ImagingPlan, plan_imaging

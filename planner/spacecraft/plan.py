@@ -27,8 +27,7 @@ from planner.spacecraft.found import (
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.baselines import report_slews
-from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
-from planner.spacecraft.imaging.choose import bound_of
+from planner.spacecraft.imaging.choice import bound_of, choose_and_slew, options_of
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import ImagingPlanRequest, ImagingWindow, LeftOut, Request
 from planner.spacecraft.vehicle import AgileSpacecraft

@@ -23,7 +23,7 @@ from app.jobs.kinds import JOB_KINDS, PLAN
 from app.jobs.worker_process import run_in_worker
 from app.requests.examples import OPPORTUNITY_EXAMPLES
 from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
-from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
+from planner.spacecraft.imaging.choice import LooksTooClose
 from slewtrack.client import problems
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)

@@ -14,7 +14,7 @@ from app.store.packed import unpack
 from app.work.plan import packed_plan, stored_plan
 from planner.base.errors import InfeasibleSlew, InvalidRequest
 from planner.planning.sessions.pipeline import make_plan
-from planner.spacecraft.imaging.request_arcs import scan_orders
+from planner.spacecraft.imaging.candidates import scan_orders
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import ImagingPlanRequest, StripRequest
 from planner.world.frames.time_scales import Instants, elapsed_s

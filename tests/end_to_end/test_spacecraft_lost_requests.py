@@ -13,7 +13,7 @@ from spacecraft_cases import four_modes, line, session, sun_synchronous
 
 from planner.base import effort
 from planner.base.errors import InfeasibleSlew
-from planner.spacecraft.imaging import choice_with_slews
+from planner.spacecraft.imaging import choice
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.imaging.timeline import DoesNotFit, build_timeline
@@ -68,7 +68,7 @@ def test_a_request_whose_slews_never_fit_leaves_the_others(monkeypatch):
                 raise DoesNotFit(one, InfeasibleSlew("the body needs about 28.8 s"))
         return build_timeline(made, chosen)
 
-    monkeypatch.setattr(choice_with_slews, "build_timeline", costly)
+    monkeypatch.setattr(choice, "build_timeline", costly)
     corridor = CorridorRequest(name="corridor", geometry=line(300.0), priority=9.0)
     plan = plan_imaging(session([STRIP, corridor], 400.0, simulation_runs=0))
     assert [window.request for window in plan.windows] == ["strip"]

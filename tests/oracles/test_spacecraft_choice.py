@@ -11,10 +11,8 @@ from scipy.spatial.transform import Rotation
 from spacecraft_cases import line, session
 
 from planner.spacecraft.imaging.candidates import Candidate, candidates
-from planner.spacecraft.imaging.choice_with_slews import options_of
-from planner.spacecraft.imaging.choose import bound_of, choose
-from planner.spacecraft.imaging.session import GroundArc, make_session
-from planner.spacecraft.imaging.slews import Slews
+from planner.spacecraft.imaging.choice import bound_of, choose, options_of
+from planner.spacecraft.imaging.session import GroundArc, Slews, make_session
 from planner.spacecraft.requests import StripRequest
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.targets.ground_path import GroundPathTarget, PathPoint
@@ -115,6 +113,13 @@ def test_a_bound_is_less_than_everything_where_no_slew_is_quick_enough():
     options = [candidate(0, 0, 10.0, -0.4), candidate(1, 0, 17.0, 0.4)]
     assert choose(options, [1.0, 3.0], SLEWS).value == 3.0
     assert bound_of(options, [1.0, 3.0], SLEWS, 3.0) == 3.0
+
+
+def test_what_is_never_whole_is_passed_over():
+    """One request has no candidate, another the first look of a pair only."""
+    options = [candidate(2, 1, 10.0, 0.0), candidate(0, 0, 40.0, 0.0)]
+    choice = choose(options, [1.0, 3.0, 9.0], SLEWS)
+    assert (choice.value, choice.greedy_value, choice.requests) == (1.0, 1.0, {0})
 
 
 def test_a_dense_session_is_worth_what_was_flown():

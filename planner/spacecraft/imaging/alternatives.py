@@ -18,7 +18,7 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, OutsideCoverage, Refusal, Unreachable
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.candidates import candidates
-from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
+from planner.spacecraft.imaging.choice import LooksTooClose
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import (
     SESSION_MAX_S,

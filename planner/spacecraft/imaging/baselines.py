@@ -32,16 +32,13 @@ def report_slews(platform: BodyPlatform, plan: Plan) -> Iterator[AttitudeSlewRep
     """In order of time, those back to orbital orientation among them."""
     table, runs = plan.table, {run.session: run for run in plan.slews}
     assert table.acceleration_rad_s2 is not None  # a body's table has it
+    whole = Motion(table.position, table.rate_rad_s, table.acceleration_rad_s2)
     for one in plan.segments:
         if one.kind not in ("brake", "slew"):
             continue
         first, last = (
             round(elapsed_s(utc, table.epoch_utc) * ROWS_PER_S)
             for utc in (one.start_utc, one.stop_utc)
-        )
-        span = slice(first, last + 1)
-        motion = Motion(
-            table.position[span], table.rate_rad_s[span], table.acceleration_rad_s2[span]
         )
         run, is_slew = runs[one.session], one.kind == "slew"
         yield AttitudeSlewReport(
@@ -54,7 +51,7 @@ def report_slews(platform: BodyPlatform, plan: Plan) -> Iterator[AttitudeSlewRep
             solve_s=run.wall_s if is_slew else 0.0,
             first_row=first,
             last_row=last,
-            **compare(motion, platform),
+            **compare(rows_of(whole, slice(first, last + 1)), platform),
         )
 
 

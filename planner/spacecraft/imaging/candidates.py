@@ -7,6 +7,8 @@ left is refused with when it would come closest.
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +19,20 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, Unreachable, figures
 from planner.base.mrp import BodyMotion
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
+from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import (
     LOOK_ANGLE_DEG,
+    AreaRequest,
+    CorridorRequest,
     ImagingRequest,
     Request,
     StereoRequest,
 )
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.world.targets.geojson import Position
+from planner.world.targets.imaging import IMAGING_MODES, ImagingMode
+from planner.world.targets.strips import strip_pattern
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +68,8 @@ OPTIONS = CandidateOptions()
 class Candidate:
     """One possibility to image a request: arcs in order of time, all within the camera's angles.
 
-    request: its number in the session.  part: 0 for a whole request, 1 and 2 for the two looks
-    of a stereo pair (which may have others between).  entry_state, exit_state: as of `Slews`, (11,)
+    request: its number in the session.  part: as of `label_search`, others may come between the
+    two looks of a stereo pair.  entry_state, exit_state: as of `Slews`, (11,)
     each, of the first arc and the last one.  tilt_rad: largest angle along the track.
     used_shares: largest of the limits of rate and acceleration while it is scanned.
     """
@@ -89,31 +96,91 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
 
     Raises Unreachable when it is never seen, InfeasibleSlew when no scan of it keeps the limits.
     """
-    scans, least_s = least_time_s(request, session)
-    if least_s > session.duration_s:
-        count = "one scan" if scans == 1 else f"{scans} scans"
+    layout = _layout(request, session)
+    if layout.least_s > session.duration_s:
+        count = "one scan" if layout.scans == 1 else f"{layout.scans} scans"
         raise Unreachable(
             f"{request.name!r} takes {count}, which with the slews between last at least "
-            f"{least_s:.1f} s, longer than the session's {session.duration_s:.1f} s; ask for less "
-            "at a time or for a longer session",
+            f"{layout.least_s:.1f} s, longer than the session's {session.duration_s:.1f} s; ask "
+            "for less at a time or for a longer session",
             field=f"requests.{number}",
             limit="time",
         )
     looks = [
         [
-            replace(one, part=part)
+            one
             for arcs in orders
-            for one in _from_starts(arcs, starts_s, number, request, session)
+            for one in _from_starts(arcs, starts_s, (number, part), request, session)
         ]
         for part, orders, starts_s in _looks(request, session)
     ]
     if not all(looks):  # half a pair is no image
-        raise _never_seen(request, number, session)
+        raise _never_seen(request, number, layout, session)
     kept = [[one for one in look if max(one.used_shares) <= OPTIONS.used_max] for look in looks]
     overloaded = [look for look, left in zip(looks, kept, strict=True) if not left]
     if overloaded:
         raise _overloaded(request, number, overloaded, session)
     return [one for look in kept for one in look]
+
+
+class _Layout(NamedTuple):
+    """Lines that a request has scanned, as a session of any platform in that mode; how many scans
+    it is, and no less than the time they and the slews between take."""
+
+    mode: ImagingMode
+    lines: Iterable[tuple[Position, Position]]
+    scans: int
+    least_s: float
+
+
+def _layout(request: Request, session: ImagingSession) -> _Layout:
+    """Of an area parallel strips over the polygon's bounding box in scan direction."""
+    mode: ImagingMode = IMAGING_MODES[request.mode](  # type: ignore[call-arg]  # all have these
+        geometry=request.geometry,
+        speed_m_s=request.scan_speed_m_s,
+        height_m=request.height_m,
+        line="plane",
+    )
+    lines: Iterable[tuple[Position, Position]]
+    if isinstance(request, AreaRequest):
+        pattern = strip_pattern(
+            request.geometry.coordinates,
+            request.height_m,
+            request.azimuth_deg,
+            session.passing.velocity_passing,
+            session.spacecraft.swath_m,
+            session.spacecraft.swath_m,
+        )
+        ends_m, count = np.array([pattern.from_m, pattern.to_m]), pattern.count
+        strips = (pattern.positions(ends_m, pattern.aside_m(k)) for k in range(count))
+        lines = ((first, last) for first, last in strips)
+        scan_s = count * (pattern.to_m - pattern.from_m) / request.scan_speed_m_s
+    else:
+        lines = list(pairwise(request.geometry.coordinates))
+        looks = 2 if isinstance(request, StereoRequest) else 1
+        count = looks * len(lines)
+        scan_s = looks * sum(mode.path_between(*ends).duration_s for ends in lines)
+    slews_s = (count - 1) * max(session.slews.settle_s, COMMAND_STEP_S)
+    return _Layout(mode, lines, count, scan_s + slews_s)
+
+
+def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundArc]]:
+    """The request's arcs in each order and sense they may be scanned, times open (start_s = 0).
+
+    A corridor's legs as they are given, other arcs in the sense of flight; by a reversible
+    detector to and fro.
+    """
+    mode, lines, _, _ = _layout(request, session)
+    if isinstance(request, CorridorRequest):
+        return [[GroundArc(path=mode.path_between(*ends)) for ends in lines]]
+    forward = [mode.in_sense(ends, session.passing) for ends in lines]
+    senses = [[GroundArc(path=mode.path_between(*ends)) for ends in forward]]
+    if not session.platform.camera.both_ways:
+        return senses
+    senses.append(
+        [GroundArc(path=mode.path_between(*ends[::-1]), backwards=True) for ends in forward]
+    )
+    return [[senses[(k + first) % 2][k] for k in range(len(forward))] for first in (0, 1)]
 
 
 def _looks(
@@ -139,7 +206,7 @@ def _looks(
             grid_s = np.union1d(
                 grid_s, [math.ceil(opening_s / COMMAND_STEP_S - 1e-6) * COMMAND_STEP_S]
             )
-        yield 0, orders, grid_s if asked_s is None else asked_s
+        yield WHOLE, orders, grid_s if asked_s is None else asked_s
         return
     [arc] = orders[0]
     tick_s = np.arange(0.0, session.duration_s, COMMAND_STEP_S)
@@ -162,14 +229,14 @@ def _looks(
         around_s = np.array([start_s_at(0.0, 0.5 * request.gap_s)])
         first_s = around_s if asked_s is None else asked_s
         second_s = first_s + round(request.gap_s / COMMAND_STEP_S) * COMMAND_STEP_S
-    for part, starts_s in enumerate((first_s, second_s), start=1):
-        yield part, [[arc]], starts_s
+    yield OPENS, [[arc]], first_s
+    yield COMPLETES, [[arc]], second_s
 
 
 def _from_starts(
     arcs: list[GroundArc],
     starts_s: Array,
-    number: int,
+    number_part: tuple[int, int],
     request: ImagingRequest,
     session: ImagingSession,
 ) -> Iterator[Candidate]:
@@ -198,8 +265,8 @@ def _from_starts(
     entry_states = session.entries(arcs[0], begins_s[0])
     for k in range(len(t_s)):
         yield Candidate(
-            request=number,
-            part=0,
+            request=number_part[0],
+            part=number_part[1],
             arcs=tuple(
                 replace(arc, start_s=float(begin_s))
                 for arc, begin_s in zip(arcs, begins_s[:, k], strict=True)
@@ -213,14 +280,14 @@ def _from_starts(
 
 def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, float]:
     """First and last moment of the request's window within the session."""
-    first_s, last_s = 0.0, session.duration_s
-    if request.window_start is not None:
-        opening_s = elapsed_s(request.window_start, session.epoch_utc)
-        first_s = max(first_s, opening_s - OPTIONS.rounding_s)
-    if request.window_stop is not None:
-        closing_s = elapsed_s(request.window_stop, session.epoch_utc)
-        last_s = min(last_s, closing_s + OPTIONS.rounding_s)
-    return first_s, last_s
+    opens_s, closes_s = (
+        None if utc is None else elapsed_s(utc, session.epoch_utc)
+        for utc in (request.window_start, request.window_stop)
+    )
+    first_s = 0.0 if opens_s is None else max(opens_s - OPTIONS.rounding_s, 0.0)
+    if closes_s is None:
+        return first_s, session.duration_s
+    return first_s, min(closes_s + OPTIONS.rounding_s, session.duration_s)
 
 
 def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
@@ -288,7 +355,9 @@ def _overloaded(
     )
 
 
-def _never_seen(request: Request, number: int, session: ImagingSession) -> Unreachable:
+def _never_seen(
+    request: Request, number: int, layout: _Layout, session: ImagingSession
+) -> Unreachable:
     """Say when it would come closest, and at what angles."""
     spacecraft, (arcs, *_) = session.spacecraft, scan_orders(request, session)
     ends_itrf_m = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
@@ -302,14 +371,13 @@ def _never_seen(request: Request, number: int, session: ImagingSession) -> Unrea
             f"closest at {utc_text(at_utc, 1)}, {math.degrees(along_rad[abeam]):.1f} deg along and "
             f"{math.degrees(across_rad[abeam]):.1f} deg across the track"
         )
-    scans, least_s = least_time_s(request, session)
-    takes = f"{least_s:.1f} s that {scans} scans, with the slews between, take at least"
-    less = "shorten the request"
+    least, less = f"{layout.least_s:.1f} s", "shorten the request"
+    takes = f"{least} that {layout.scans} scans, with the slews between, take at least"
     if isinstance(request, StereoRequest):
         takes = f"{arcs[0].duration_s:.1f} s that each look takes"
         less += f", ask for a smaller {'look_angle_deg' if request.gap_s is None else 'gap_s'}"
-    elif scans == 1:
-        takes = f"{least_s:.1f} s it takes to scan"
+    elif layout.scans == 1:
+        takes = f"{least} it takes to scan"
     return Unreachable(
         f"{request.name!r} is never wholly within {spacecraft.along_max_deg:g} deg along and "
         f"{spacecraft.across_max_deg:g} deg across the track, in its window and session, for the "

@@ -74,15 +74,12 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
     """Each scan a session of the body, on the same clock."""
     request, arcs = session.request, [scan.arc for scan in scans]
     usual_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
-    begins_s, lasts_s = zip(
-        *((np.array([arc.start_s]), arc.ticks * COMMAND_STEP_S) for arc in arcs), strict=True
-    )
-    exits = np.vstack(
-        [session.ends(None, begins_s[0], 0.0), *map(session.ends, arcs, begins_s, lasts_s)]
-    )
-    entries = np.vstack(
-        [*map(session.entries, arcs, begins_s), session.ends(None, begins_s[-1], lasts_s[-1])]
-    )
+    begins_s = [np.array([arc.start_s]) for arc in arcs]
+    lasts_s = [arc.ticks * COMMAND_STEP_S for arc in arcs]
+    back = session.ends(None, begins_s[-1], lasts_s[-1])
+    idle = session.ends(None, begins_s[0], 0.0)
+    exits = np.vstack([idle, *map(session.ends, arcs, begins_s, lasts_s)])
+    entries = np.vstack([*map(session.entries, arcs, begins_s), back])
     start, goal = (Rotation.from_quat(states[:, :4]) for states in (exits, entries))
     is_far = (start.inv() * goal).magnitude() > OPTIONS.longest_rad
     far_ticks = session.slews.ticks(exits[is_far], entries[is_far])
@@ -94,19 +91,21 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
         initial_state=InitialState(
             epoch=request.start, q_body_from_eci_xyzw=request.initial_q_body_from_eci_xyzw
         ),
-        sessions=tuple(_session_of(session, scan) for scan in scans),
-        slew=SlewOptions(objective=request.objective, lead=BoundedLead(max_duration_s=most_s)),
+        sessions=tuple(
+            Session(
+                name=request.requests[scan.candidate.request].name,
+                target=scan.arc.path,
+                start=shifted_utc(request.start, scan.arc.first_row / ROWS_PER_S),
+                stop=shifted_utc(request.start, scan.arc.last_row / ROWS_PER_S),
+            )
+            for scan in scans
+        ),
+        slew=SlewOptions(
+            objective=request.objective,
+            lead=BoundedLead(max_duration_s=most_s),
+        ),
         final_state="idle",
-        final_by=shifted_utc(session.epoch_utc, session.duration_s),
-    )
-
-
-def _session_of(session: ImagingSession, scan: Scan) -> Session:
-    return Session(
-        name=session.request.requests[scan.candidate.request].name,
-        target=scan.arc.path,
-        start=shifted_utc(session.epoch_utc, scan.arc.first_row / ROWS_PER_S),
-        stop=shifted_utc(session.epoch_utc, scan.arc.last_row / ROWS_PER_S),
+        final_by=shifted_utc(request.start, session.duration_s),
     )
 
 
