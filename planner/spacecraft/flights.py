@@ -1,13 +1,12 @@
 """The session's table flown closed loop, and the camera's steadiness in each imaging interval."""
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 import numpy as np
 
 from planner.base.arrays import Array, Mask
+from planner.base.at_once import done_at_once
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import draw_dispersion, fly_table
@@ -57,22 +56,20 @@ def fly_many(
     keep: Callable[[Log], Kept],
     tell: Callable[[int], None] = lambda _: None,
 ) -> list[Kept]:
-    """Dispersed runs, one a seed, on as many threads as there are cores.
+    """Dispersed runs, one a seed.
 
     states: the orbit at the table's rows.  keep: what is wanted of a run; its log (19 MB for an
     hour) is given up at once.  tell: is called with how many are flown.
     """
     craft, imaging = spacecraft.craft, camera_on(windows, len(table.position))
+
+    def fly(seed: int) -> Kept:
+        return keep(fly_table(craft, table, imaging, states, draw_dispersion(craft, seed)))
+
     kept: list[Kept] = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for one in pool.map(
-            lambda seed: keep(
-                fly_table(craft, table, imaging, states, draw_dispersion(craft, seed))
-            ),
-            seeds,
-        ):
-            kept.append(one)
-            tell(len(kept))
+    for one in done_at_once(fly, seeds):
+        kept.append(one)
+        tell(len(kept))
     return kept
 
 

@@ -17,9 +17,6 @@ from planner.world.platforms.gyro_craft import GyroCraft, Sensors, gyro_craft
 from planner.world.platforms.gyros import GyroSet
 
 SlewObjective = Literal["smooth", "minimum_time"]
-SETTLE_S = (0.0, 60.0)
-SWATH_M = (100.0, 500e3)
-OFF_NADIR_DEG = (0.1, 60.0)
 
 
 @dataclass(frozen=True, kw_only=True)

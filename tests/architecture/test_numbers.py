@@ -19,7 +19,7 @@ MOST = {
     "motion": 68,
     "output": 37,
     "planning": 27,
-    "spacecraft": 9,
+    "spacecraft": 5,
     "verification": 60,
     "world": 122,
 }

@@ -62,49 +62,40 @@ def refusal_with_alternative(
 ) -> Refusal:
     """The refusal with the nearest alternative that works; as it is when none of those tried
     does."""
-    stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
-    much_n_m_s = OPTIONS.much_share * request.definition().gyros.turns.momentum_max_n_m_s
-    if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and stored_n_m_s > much_n_m_s):
-        alternatives = _less_momentum(request)
-    elif isinstance(why, LooksTooClose):
-        alternatives = _wider_gaps(request, _number_at_fault(why), why.gap_s)
-    else:
-        alternatives = _of_one_request(request, _number_at_fault(why))
-    found = next(
-        (one for one in alternatives if works(replace(one.request, simulation_runs=0))),
-        None,
-    )
-    if found is None:
-        return why
-    kind = Unreachable if isinstance(why, Unreachable) else InfeasibleSlew
-    return kind(
-        f"{why.detail}; nearest that was tried and works: {found.text}",
-        field=why.field,
-        limit=why.limit,
-        at_utc=why.at_utc,
-        earliest_feasible_start_utc=found.start_utc,
-        feasible_stop_utc=found.stop_utc,
-    )
-
-
-def _number_at_fault(why: Refusal) -> int:
-    """The number of the request at fault; the first when the refusal is about all of them."""
     last = (why.field or "").rpartition(".")[2]
-    return int(last) if last.isdigit() else 0
-
-
-def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
-    momentum_n_m_s = np.array(request.settings.momentum_n_m_s)
-    stored_n_m_s = float(np.linalg.norm(momentum_n_m_s))
+    number = int(last) if last.isdigit() else 0  # the first where it is about all of them
+    stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
     sphere_n_m_s = request.definition().gyros.turns.momentum_max_n_m_s
-    for share in OPTIONS.momentum_shares:
-        left_n_m_s = share * sphere_n_m_s
-        if left_n_m_s >= stored_n_m_s:
-            continue
-        x, y, z = (momentum_n_m_s * (left_n_m_s / stored_n_m_s)).tolist()
-        settings = replace(request.settings, momentum_n_m_s=(x, y, z))
-        changed = replace(request, settings=settings)
-        yield Alternative(changed, f"{left_n_m_s:.0f} N m s in the same direction")
+    is_much = stored_n_m_s > OPTIONS.much_share * sphere_n_m_s
+    if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and is_much):
+        alternatives = _less_momentum(request, stored_n_m_s, sphere_n_m_s)
+    elif isinstance(why, LooksTooClose):
+        alternatives = _wider_gaps(request, number, why.gap_s)
+    else:
+        alternatives = _of_one_request(request, number)
+    for one in alternatives:
+        if works(replace(one.request, simulation_runs=0)):
+            kind = Unreachable if isinstance(why, Unreachable) else InfeasibleSlew
+            return kind(
+                f"{why.detail}; nearest that was tried and works: {one.text}",
+                field=why.field,
+                limit=why.limit,
+                at_utc=why.at_utc,
+                earliest_feasible_start_utc=one.start_utc,
+                feasible_stop_utc=one.stop_utc,
+            )
+    return why
+
+
+def _less_momentum(
+    request: ImagingPlanRequest, stored_n_m_s: float, sphere_n_m_s: float
+) -> Iterator[Alternative]:
+    for left_n_m_s in (share * sphere_n_m_s for share in OPTIONS.momentum_shares):
+        if left_n_m_s < stored_n_m_s:
+            left = np.array(request.settings.momentum_n_m_s) * (left_n_m_s / stored_n_m_s)
+            x, y, z = left.tolist()
+            changed = replace(request, settings=replace(request.settings, momentum_n_m_s=(x, y, z)))
+            yield Alternative(changed, f"{left_n_m_s:.0f} N m s in the same direction")
 
 
 def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Iterator[Alternative]:
@@ -112,10 +103,9 @@ def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Itera
     asked = request.requests[number]
     assert isinstance(asked, StereoRequest)
     for more_s in OPTIONS.gap_more_s:
-        wider_s = math.ceil(gap_s) + more_s
-        pair = replace(asked, look_angle_deg=None, gap_s=wider_s)
+        pair = replace(asked, look_angle_deg=None, gap_s=math.ceil(gap_s) + more_s)
         changed = replace(request, requests=(pair,))
-        yield Alternative(changed, f"{pair.name!r} with a gap_s of {wider_s:g}")
+        yield Alternative(changed, f"{pair.name!r} with a gap_s of {pair.gap_s:g}")
 
 
 def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Alternative]:
@@ -127,9 +117,8 @@ def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Altern
         spans = sorted(
             _spans(request, free, longer_s), key=lambda span: _shift_s(request, bound, *span)
         )
-        for span in spans[: OPTIONS.tried_max]:
-            yield _at_time(request, free, *span)
         if spans:
+            yield from (_at_time(request, free, *span) for span in spans[: OPTIONS.tried_max])
             return
 
 
@@ -147,9 +136,11 @@ def _spans(
         with suppress(Unreachable, InfeasibleSlew, OutsideCoverage):
             options = candidates(free, 0, make_session(piece))
             for first, last in product(options, options):
-                is_pair = (first.part, last.part) == (OPENS, COMPLETES)
-                if (is_pair and last.start_s > first.stop_s) or (
-                    first.part == WHOLE and first is last
+                is_pair = first.part == OPENS and last.part == COMPLETES
+                if (
+                    last.start_s > first.stop_s
+                    if is_pair
+                    else first.part == WHOLE and first is last
                 ):
                     yield shifted_utc(start, first.start_s), shifted_utc(start, last.stop_s)
 

@@ -22,7 +22,6 @@ from planner.motion.attitude.track import agility_limits
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import (
-    LOOK_ANGLE_DEG,
     AreaRequest,
     CorridorRequest,
     ImagingRequest,
@@ -31,7 +30,8 @@ from planner.spacecraft.requests import (
 )
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.targets.geojson import Position
-from planner.world.targets.imaging import IMAGING_MODES, ImagingMode
+from planner.world.targets.imaging import OPTIONS as MODES
+from planner.world.targets.imaging import ImagingMode
 from planner.world.targets.strips import strip_pattern
 
 
@@ -135,12 +135,7 @@ class _Layout(NamedTuple):
 
 def _layout(request: Request, session: ImagingSession) -> _Layout:
     """Of an area parallel strips over the polygon's bounding box in scan direction."""
-    mode: ImagingMode = IMAGING_MODES[request.mode](  # type: ignore[call-arg]  # all have these
-        geometry=request.geometry,
-        speed_m_s=request.scan_speed_m_s,
-        height_m=request.height_m,
-        line="plane",
-    )
+    mode = request.as_mode()
     lines: Iterable[tuple[Position, Position]]
     if isinstance(request, AreaRequest):
         pattern = strip_pattern(
@@ -221,7 +216,7 @@ def _looks(
 
     steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
     steps_s = steps * COMMAND_STEP_S * OPTIONS.stereo_step_ticks
-    angle_deg = LOOK_ANGLE_DEG if request.look_angle_deg is None else request.look_angle_deg
+    angle_deg = request.look_angle_deg or MODES.look_angle_deg
     if request.gap_s is None:
         first_s = start_s_at(angle_deg) + steps_s if asked_s is None else asked_s
         second_s = start_s_at(-angle_deg) + steps_s
