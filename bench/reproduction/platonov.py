@@ -54,7 +54,6 @@ from planner.spacecraft.flights import camera_on, fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice import options_of
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession, make_session
-from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.plan import ImagingPlan, plan_imaging
 from planner.spacecraft.requests import (
     SCAN_SPEED_M_S,
@@ -262,7 +261,7 @@ def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
     plan = planned(name)
     session = make_session(plan.request)
     options, _ = options_of(session)
-    scans = scans_of(options)
+    arcs = sorted((arc for one in options for arc in one.arcs), key=lambda arc: arc.first_row)
     rows = len(plan.table.t_s)
     q = plan.table.position.copy()
     omega, alpha = np.zeros((rows, 3)), np.zeros((rows, 3))
@@ -274,7 +273,7 @@ def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
     else:
         q[: given[0]] = q[0]  # at rest
     for start, stop, number in stretches:
-        arc = None if number is None else scans[number].arc
+        arc = None if number is None else arcs[number]
         t_s = plan.table.t_s[start:stop]
         motion = attitude_motion(of_like_sign(attitudes(session, arc, t_s).as_quat()), 0.2)
         q[start:stop] = motion.position

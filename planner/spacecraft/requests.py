@@ -194,15 +194,11 @@ class SpacecraftSettings:
             ("torque_rate_max_n_m_s", 0.0, torque_n_m / COMMAND_STEP_S),
         ):
             value = getattr(self, name)
-            if value is not None and value > most * (1.0 + 1e-9):  # rounding
+            if value is not None and not least <= value <= most * (1.0 + 1e-9):  # rounding
                 raise ValueError(
-                    f"settings.{name} ({figures(value, most)}) is more than the {most:.4g} that "
-                    f"{spacecraft.name!r} can do; ask for less, or leave it out"
-                )
-            if value is not None and value < least:
-                raise ValueError(
-                    f"settings.{name} ({figures(value, least)}) is less than the {least:.4g} that "
-                    "orbital orientation needs; ask for more, or leave it out"
+                    f"settings.{name} ({figures(value, most)}) is less than the {least:.4g} that "
+                    f"orbital orientation needs or more than the {most:.4g} that "
+                    f"{spacecraft.name!r} can do; ask for another, or leave it out"
                 )
         rate_deg_s = self.rate_axis_max_deg_s
         turns = _with_given(

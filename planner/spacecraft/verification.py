@@ -30,6 +30,7 @@ from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, RowUtc, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
+from planner.world.targets.geojson import Position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -256,10 +257,7 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
     if isinstance(request, AreaRequest):
         return 0.0
     leg = window.look if request.mode == "corridor" else 0
-    longitude_rad, latitude_rad = np.deg2rad(
-        [position[:2] for position in request.geometry.coordinates[leg : leg + 2]]
-    ).T
-    start_itrf_m, end_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
+    start_itrf_m, end_itrf_m = _places_itrf_m(request.geometry.coordinates[leg : leg + 2], request)
     if np.dot(end_itrf_m - start_itrf_m, scanned_itrf_m[-1] - scanned_itrf_m[0]) < 0.0:
         start_itrf_m, end_itrf_m = end_itrf_m, start_itrf_m
     normal_itrf = np.cross(start_itrf_m, end_itrf_m)
@@ -272,26 +270,30 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
     return max(start_m, off_plane_m, end_m - spacing_m)
 
 
+def _places_itrf_m(positions: Sequence[Position], request: Request) -> Array:
+    longitude_rad, latitude_rad = np.deg2rad([position[:2] for position in positions]).T
+    return itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
+
+
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
     spacecraft = session.spacecraft
     along_deg, across_deg = (
         most_deg + TOLERANCES.angle_deg
         for most_deg in (spacecraft.along_max_deg, spacecraft.across_max_deg)
     )
-    drift_deg = math.degrees(found.drift_rad)
     for value, most, told in (
-        (found.speed_spread, TOLERANCES.speed, f"scan speed off by {found.speed_spread:.3%}"),
-        (found.drift_rad, TOLERANCES.drift_rad, f"the image drifts by {drift_deg:.4f} deg"),
+        (found.speed_spread, TOLERANCES.speed, "scan speed off by {:.3%}"),
         (
-            found.miss_m,
-            TOLERANCES.ground_m,
-            f"scans {found.miss_m:.2f} m beside the line asked for",
+            math.degrees(found.drift_rad),
+            math.degrees(TOLERANCES.drift_rad),
+            "the image drifts by {:.4f} deg",
         ),
-        (found.along_deg, along_deg, f"{found.along_deg:.2f} deg along the track"),
-        (found.across_deg, across_deg, f"{found.across_deg:.2f} deg across the track"),
+        (found.miss_m, TOLERANCES.ground_m, "scans {:.2f} m beside the line asked for"),
+        (found.along_deg, along_deg, "{:.2f} deg along the track"),
+        (found.across_deg, across_deg, "{:.2f} deg across the track"),
     ):
         if value > most:
-            yield f"{found.request!r} look {found.look}: {told}"
+            yield f"{found.request!r} look {found.look}: {told.format(value)}"
 
 
 def _coverage_findings(session: _Session) -> Iterator[str]:
@@ -316,8 +318,7 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
 
 def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: AreaRequest) -> float:
     """How far outside the scanned strips the worst corner of an area lies."""
-    longitude_rad, latitude_rad = np.deg2rad([p[:2] for p in request.geometry.coordinates[0]]).T
-    corners_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
+    corners_itrf_m = _places_itrf_m(request.geometry.coordinates[0], request)
     half_m = 0.5 * session.spacecraft.swath_m
     outside_m = np.full(len(corners_itrf_m), np.inf)
     for look in looks:

@@ -11,10 +11,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from planner.base import effort
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, Unreachable, figures
 from planner.base.mrp import BodyMotion
@@ -189,8 +189,7 @@ def _looks(
     orders = scan_orders(request, session)
     asked_s = None
     if request.start is not None:
-        start_s = elapsed_s(request.start, session.epoch_utc)
-        asked_s = np.array([round(start_s / COMMAND_STEP_S) * COMMAND_STEP_S])
+        asked_s = _on_ticks(np.array([elapsed_s(request.start, session.epoch_utc)]))
     is_dense = len(session.request.requests) ** 2 > OPTIONS.dense_per_s * session.duration_s
     apart_s = OPTIONS.coarse_grid_s if is_dense else OPTIONS.grid_s
     grid_s = np.arange(0.0, session.duration_s, apart_s)
@@ -208,24 +207,25 @@ def _looks(
     effort.charge(OPTIONS.point_at_tick * len(tick_s))
     along_rad, _ = session.passing.look_angles(_point_itrf_m(arc, 0.5), tick_s)
 
-    def start_s_at(angle_deg: float, earlier_s: float = 0.0) -> float:
-        middle_s = float(tick_s[np.argmin(np.abs(along_rad - math.radians(angle_deg)))])
-        return (
-            round((middle_s - earlier_s - 0.5 * arc.duration_s) / COMMAND_STEP_S) * COMMAND_STEP_S
-        )
+    def starts_s_at(angle_deg: float, earlier_s: float = 0.0) -> Array:
+        middle_s = tick_s[[np.argmin(np.abs(along_rad - math.radians(angle_deg)))]]
+        return _on_ticks(middle_s - earlier_s - 0.5 * arc.duration_s)
 
     steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
     steps_s = steps * COMMAND_STEP_S * OPTIONS.stereo_step_ticks
-    angle_deg = request.look_angle_deg or MODES.look_angle_deg
-    if request.gap_s is None:
-        first_s = start_s_at(angle_deg) + steps_s if asked_s is None else asked_s
-        second_s = start_s_at(-angle_deg) + steps_s
+    angle_deg, gap_s = request.look_angle_deg or MODES.look_angle_deg, request.gap_s
+    if gap_s is None:
+        first_s, second_s = (starts_s_at(one_deg) + steps_s for one_deg in (angle_deg, -angle_deg))
+        yield OPENS, [[arc]], first_s if asked_s is None else asked_s
     else:
-        around_s = np.array([start_s_at(0.0, 0.5 * request.gap_s)])
-        first_s = around_s if asked_s is None else asked_s
-        second_s = first_s + round(request.gap_s / COMMAND_STEP_S) * COMMAND_STEP_S
-    yield OPENS, [[arc]], first_s
+        first_s = starts_s_at(0.0, 0.5 * gap_s) if asked_s is None else asked_s
+        second_s = first_s + _on_ticks(gap_s)
+        yield OPENS, [[arc]], first_s
     yield COMPLETES, [[arc]], second_s
+
+
+def _on_ticks(t_s: ArrayLike) -> Array:
+    return np.asarray(np.round(np.divide(t_s, COMMAND_STEP_S)) * COMMAND_STEP_S)
 
 
 def _from_starts(
@@ -312,7 +312,7 @@ def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: Imagin
 
 def _in_reach(
     arc: GroundArc, t_s: Array, scan_s: float, session: ImagingSession
-) -> tuple[NDArray[np.bool_], Array]:
+) -> tuple[Mask, Array]:
     """Whether the camera can look at all of the arc, and the largest angle along the track."""
     spacecraft = session.spacecraft
     most_rad = np.deg2rad([spacecraft.along_max_deg, spacecraft.across_max_deg])[:, None]

@@ -7,7 +7,6 @@ there while there is time, and ends there.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -39,13 +38,6 @@ class TimelineOptions:
 OPTIONS = TimelineOptions()
 
 
-class Scan(NamedTuple):
-    """An arc that is scanned, and the candidate that it belongs to."""
-
-    candidate: Candidate
-    arc: GroundArc
-
-
 @dataclass(frozen=True, kw_only=True)
 class Timeline:
     """joins: onto each window, a session of the scenario in the same order, and back."""
@@ -64,15 +56,9 @@ class DoesNotFit(Exception):
         self.candidate, self.why = candidate, why
 
 
-def scans_of(chosen: Sequence[Candidate]) -> tuple[Scan, ...]:
-    """The arcs of the chosen candidates in order of time."""
-    scans = [Scan(one, arc) for one in chosen for arc in one.arcs]
-    return tuple(sorted(scans, key=lambda scan: scan.arc.first_row))
-
-
-def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
+def _scenario_of(session: ImagingSession, arcs: list[GroundArc], names: list[str]) -> Scenario:
     """Each scan a session of the body, on the same clock."""
-    request, arcs = session.request, [scan.arc for scan in scans]
+    request = session.request
     usual_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
     begins_s = [np.array([arc.start_s]) for arc in arcs]
     lasts_s = [arc.ticks * COMMAND_STEP_S for arc in arcs]
@@ -93,12 +79,12 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
         ),
         sessions=tuple(
             Session(
-                name=request.requests[scan.candidate.request].name,
-                target=scan.arc.path,
-                start=shifted_utc(request.start, scan.arc.first_row / ROWS_PER_S),
-                stop=shifted_utc(request.start, scan.arc.last_row / ROWS_PER_S),
+                name=name,
+                target=arc.path,
+                start=shifted_utc(request.start, arc.first_row / ROWS_PER_S),
+                stop=shifted_utc(request.start, arc.last_row / ROWS_PER_S),
             )
-            for scan in scans
+            for name, arc in zip(names, arcs, strict=True)
         ),
         slew=SlewOptions(
             objective=request.objective,
@@ -110,13 +96,15 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
 
 
 def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Timeline:
-    """Scan in order, from orbital orientation or the request's initial attitude, and back.
+    """Scan in order of time, from orbital orientation or the request's initial attitude, and back.
 
     Raises DoesNotFit; SearchEnded, InfeasibleSlew where it is the initial attitude's fault.
     """
-    scans = scans_of(chosen)
-    scenario, ephemeris = scenario_of(session, scans), session.ephemeris
-    mover, owners = mover_of(scenario), [scan.candidate for scan in scans]
+    arcs = [arc for one in chosen for arc in one.arcs]
+    owners = [one for one in chosen for _ in one.arcs]
+    names = [session.request.requests[one.request].name for one in owners]
+    scenario, ephemeris = _scenario_of(session, arcs, names), session.ephemeris
+    mover = mover_of(scenario)
     try:
         joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
     except SessionRefused as refused:
@@ -129,18 +117,17 @@ def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Time
         onto = [
             _hastened(mover, ephemeris, *one) for one in zip(scenario.sessions, onto, strict=True)
         ]
-    numbers = [scan.candidate.request for scan in scans]
     return Timeline(
         scenario=scenario,
         joins=[*onto, replace(final, stop_row=round(session.duration_s / COMMAND_STEP_S))],
         windows=tuple(
             ImagingWindow(
-                request=session.request.requests[scan.candidate.request].name,
-                look=numbers[:k].count(scan.candidate.request),
-                first_row=scan.arc.first_row,
-                last_row=scan.arc.last_row,
+                request=name,
+                look=names[:k].count(name),
+                first_row=arc.first_row,
+                last_row=arc.last_row,
             )
-            for k, scan in enumerate(scans)
+            for k, (name, arc) in enumerate(zip(names, arcs, strict=True))
         ),
     )
 
