@@ -1,6 +1,6 @@
 """The answer to an imaging session: degrees, UTC text and plain numbers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -10,14 +10,7 @@ from planner.base.answer_members import Count, DirectionPart, NotNegative, Signe
 from planner.base.arrays import Array
 from planner.base.commands import BODY_CHANNELS, COMMAND_STEP_S, CommandTable
 from planner.base.rotation import Rotation, continuous
-from planner.spacecraft.found import (
-    AttitudeSlewReport,
-    ImagingChoice,
-    ImagingSummary,
-    StabilisationReport,
-)
-from planner.spacecraft.requests import LeftOut
-from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
+from planner.spacecraft.found import SessionFound
 from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
@@ -53,34 +46,9 @@ class AttitudeTableOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpacecraftPlanDocument:
-    """What is known of a session beside its table.
+class SpacecraftPlanDocument(SessionFound):
+    """What is known of a session beside its table."""
 
-    name: as the request gives it.
-    spacecraft: the spacecraft's name.
-    summary: requests of the session, in short.
-    windows: scans of the session, in order of time.
-    left_out: requests that don't fit, and why.
-    choice: quality of the choice among the requests.
-    slews: between the windows, in order of time.
-    verification: result of the independent verification.
-    stabilisation: steadiness of the camera in closed loop.
-    assumptions: values assumed because the paper doesn't give them.
-    warnings: cautions to read before flying it. E.g.
-    `["in 4 dispersed runs 75% of the imaging intervals were steady within 0.001 deg/s"]`.
-    """
-
-    name: str
-    spacecraft: str
-    summary: ImagingSummary
-    windows: tuple[VerifiedWindow, ...]
-    left_out: list[LeftOut]
-    choice: ImagingChoice
-    slews: tuple[AttitudeSlewReport, ...]
-    verification: SpacecraftVerification
-    stabilisation: StabilisationReport
-    assumptions: list[str]
-    warnings: list[str]
     provenance: ProvenanceOut
 
 
@@ -123,8 +91,8 @@ def spacecraft_dry_run_json(plan: "ImagingPlan", provenance: ProvenanceOut) -> b
         SpacecraftDryRunResponse(
             valid=True,
             flies=True,
-            name=plan.request.name,
-            spacecraft=plan.spacecraft.name,
+            name=plan.name,
+            spacecraft=plan.spacecraft,
             requests=len(plan.request.requests),
             left_out=[one.name for one in plan.left_out],
             warnings=list(plan.warnings),
@@ -135,22 +103,8 @@ def spacecraft_dry_run_json(plan: "ImagingPlan", provenance: ProvenanceOut) -> b
 
 def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes:
     """A SpacecraftPlanDocument as UTF-8 JSON."""
-    return to_json(
-        SpacecraftPlanDocument(
-            name=plan.request.name,
-            spacecraft=plan.spacecraft.name,
-            summary=plan.summary,
-            windows=plan.verification.windows,
-            left_out=list(plan.left_out),
-            choice=plan.choice,
-            slews=plan.slews,
-            verification=plan.verification,
-            stabilisation=plan.stabilisation,
-            assumptions=list(plan.assumptions),
-            warnings=list(plan.warnings),
-            provenance=provenance,
-        )
-    )
+    found = {one.name: getattr(plan, one.name) for one in fields(SessionFound)}
+    return to_json(SpacecraftPlanDocument(**found, provenance=provenance))
 
 
 def attitude_table_json(table: CommandTable) -> bytes:

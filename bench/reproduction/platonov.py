@@ -188,7 +188,9 @@ def flown(name: str) -> tuple[Log, ...]:
     """Its table in closed loop, one run for each of SEEDS."""
     plan = planned(name)
     return tuple(
-        fly_many(plan.spacecraft, plan.table, plan.windows, orbit_states(plan), SEEDS, itself)
+        fly_many(
+            plan.request.definition(), plan.table, plan.windows, orbit_states(plan), SEEDS, itself
+        )
     )
 
 

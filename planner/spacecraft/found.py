@@ -1,6 +1,7 @@
 """A session in figures: its requests, slews, steadiness, and how good its choice is."""
 
 import math
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from planner.base.answer_members import (
@@ -14,6 +15,8 @@ from planner.base.answer_members import (
     answer,
 )
 from planner.inflight.simulation.gyros.report import GyroSteadiness
+from planner.spacecraft.requests import LeftOut
+from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 from planner.world.frames.time_scales import RowUtc, Utc
 from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
 
@@ -165,3 +168,34 @@ class ImagingSummary:
     start_utc: Utc
     stop_utc: Utc
     requests: tuple[ImagingRequestSummary, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionFound:
+    """What is known of a session beside its table.
+
+    name: as the request gives it.
+    spacecraft: the spacecraft's name.
+    summary: requests of the session, in short.
+    windows: scans of the session, in order of time.
+    left_out: requests that don't fit, and why.
+    choice: quality of the choice among the requests.
+    slews: between the windows, in order of time.
+    verification: result of the independent verification.
+    stabilisation: steadiness of the camera in closed loop.
+    assumptions: values assumed because the paper doesn't give them.
+    warnings: cautions to read before flying it. E.g.
+    `["in 4 dispersed runs 75% of the imaging intervals were steady within 0.001 deg/s"]`.
+    """
+
+    name: str
+    spacecraft: str
+    summary: ImagingSummary
+    windows: tuple[VerifiedWindow, ...]
+    left_out: tuple[LeftOut, ...]
+    choice: ImagingChoice
+    slews: tuple[AttitudeSlewReport, ...]
+    verification: SpacecraftVerification
+    stabilisation: StabilisationReport
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]

@@ -19,19 +19,17 @@ from planner.planning.sessions.pipeline import StageClock, complete_plan
 from planner.planning.sessions.plan import Plan
 from planner.spacecraft.flights import ASSUMPTIONS, stabilisation
 from planner.spacecraft.found import (
-    AttitudeSlewReport,
     ImagingChoice,
     ImagingRequestSummary,
     ImagingSummary,
-    StabilisationReport,
+    SessionFound,
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.baselines import report_slews
 from planner.spacecraft.imaging.choice import bound_of, choose_and_slew, options_of
 from planner.spacecraft.imaging.session import make_session
-from planner.spacecraft.requests import ImagingPlanRequest, ImagingWindow, LeftOut, Request
-from planner.spacecraft.vehicle import AgileSpacecraft
-from planner.spacecraft.verification import SpacecraftVerification, verify_table
+from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.verification import VerifiedWindow, verify_table
 from planner.world.frames.time_scales import Instants
 
 
@@ -49,55 +47,15 @@ OPTIONS = SessionWork()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImagingPlan:
-    """The plan of a session.
-
-    whole: of the body, whose sessions are the scans.  windows: when they are.
-    slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, and its bound.
-    stabilisation: of the dispersed closed-loop runs.
-    assumptions: values assumed because the paper doesn't give them.
-    """
+class ImagingPlan(SessionFound):
+    """The plan of a session; whole: of the body, whose sessions are the scans."""
 
     request: ImagingPlanRequest
     whole: Plan
-    windows: tuple[ImagingWindow, ...]
-    slews: tuple[AttitudeSlewReport, ...]
-    choice: ImagingChoice
-    left_out: tuple[LeftOut, ...]
-    verification: SpacecraftVerification
-    stabilisation: StabilisationReport
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
-
-    @property
-    def spacecraft(self) -> AgileSpacecraft:
-        return self.request.definition()
 
     @property
     def table(self) -> CommandTable:
         return self.whole.table
-
-    @property
-    def summary(self) -> ImagingSummary:
-        request = self.request
-        return ImagingSummary(
-            name=request.name,
-            platform=request.spacecraft,
-            targets=tuple(one.name for one in request.requests),
-            start_utc=request.start,
-            stop_utc=request.stop,
-            requests=tuple(map(self._summary_of, request.requests)),
-        )
-
-    def _summary_of(self, asked: Request) -> ImagingRequestSummary:
-        looks = [one for one in self.verification.windows if one.request == asked.name]
-        return ImagingRequestSummary(
-            request=asked.name,
-            mode=asked.mode,
-            looks=len(looks),
-            start_utc=looks[0].start_utc if looks else None,
-            stop_utc=looks[-1].stop_utc if looks else None,
-        )
 
 
 def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> ImagingPlan:
@@ -184,9 +142,12 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         lambda done: tell("flight", done, runs),
     )
     return ImagingPlan(
+        name=request.name,
+        spacecraft=request.spacecraft,
+        summary=_summary(request, verification.windows),
         request=request,
         whole=whole,
-        windows=timeline.windows,
+        windows=verification.windows,
         slews=tuple(report_slews(session.platform, whole)),
         choice=choice,
         left_out=(*unseen, *chosen.left_out),
@@ -194,6 +155,27 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         stabilisation=report,
         assumptions=ASSUMPTIONS,
         warnings=(*warnings, *report.warnings),
+    )
+
+
+def _summary(request: ImagingPlanRequest, windows: tuple[VerifiedWindow, ...]) -> ImagingSummary:
+    looks = {one.name: [w for w in windows if w.request == one.name] for one in request.requests}
+    return ImagingSummary(
+        name=request.name,
+        platform=request.spacecraft,
+        targets=tuple(looks),
+        start_utc=request.start,
+        stop_utc=request.stop,
+        requests=tuple(
+            ImagingRequestSummary(
+                request=one.name,
+                mode=one.mode,
+                looks=len(looks[one.name]),
+                start_utc=looks[one.name][0].start_utc if looks[one.name] else None,
+                stop_utc=looks[one.name][-1].stop_utc if looks[one.name] else None,
+            )
+            for one in request.requests
+        ),
     )
 
 

@@ -230,7 +230,10 @@ def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow
     drift_rad = _drift_rad(view, v_ground_m_s)
     x, y, z = view.los_lvlh.T
     return VerifiedWindow(
-        **vars(window),
+        request=window.request,
+        look=window.look,
+        first_row=window.first_row,
+        last_row=window.last_row,
         start_utc=shifted_utc(session.table.epoch_utc, window.first_row * COMMAND_STEP_S),
         stop_utc=shifted_utc(session.table.epoch_utc, window.last_row * COMMAND_STEP_S),
         scan_speed_m_s=float(np.mean(speed_m_s)),

@@ -196,7 +196,7 @@ CASES = {
     ),
     "a strip of three positions": (
         changed(requests=[strip(*CROSSING[:3])]),
-        "invalid-request", "requests.0", "corridor",
+        "invalid-request", "requests.0.geometry", "corridor",
     ),
     "no GeoJSON": (changed(requests={"features": []}), "invalid-message", None, "FeatureColl"),
     "a feature without properties": (

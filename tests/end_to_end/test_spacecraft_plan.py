@@ -209,7 +209,7 @@ def test_the_plan_of_a_session_tells_how_near_its_gyros_come_to_their_limits(pla
     assert margins["torque"].extreme == plan.verification.torque_max_n_m > 1.0
     assert margins["singularity"].margin == plan.verification.gimbal_margin > 0.5
     assert all(one.margin > 0.0 for one in margins.values())
-    h_n_m_s = plan.spacecraft.craft.array.momentum(np.hsplit(plan.table.extra_rad, 2)[0])
+    h_n_m_s = plan.request.definition().craft.array.momentum(np.hsplit(plan.table.extra_rad, 2)[0])
     at_rows_n_m_s = np.linalg.norm(h_n_m_s, axis=1).max()
     assert margins["momentum"].extreme == pytest.approx(at_rows_n_m_s, abs=0.05)
 
