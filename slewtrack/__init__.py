@@ -13,22 +13,43 @@ from typing import TYPE_CHECKING
 
 from slewtrack import client as _client
 from slewtrack.client import (
-    BadAnswer,
-    Cancelled,
-    Columns,
-    Job,
-    NoAnswer,
-    NotFinished,
-    Plan,
-    Problem,
-    Progress,
-    Refused,
-    ServiceError,
+    BadAnswer as BadAnswer,
+)
+from slewtrack.client import (
+    Cancelled as Cancelled,
+)
+from slewtrack.client import (
+    Columns as Columns,
+)
+from slewtrack.client import (
+    Job as Job,
+)
+from slewtrack.client import (
+    NoAnswer as NoAnswer,
+)
+from slewtrack.client import (
+    NotFinished as NotFinished,
+)
+from slewtrack.client import (
+    Plan as Plan,
+)
+from slewtrack.client import (
+    Problem as Problem,
+)
+from slewtrack.client import (
+    Progress as Progress,
+)
+from slewtrack.client import (
+    Refused as Refused,
+)
+from slewtrack.client import (
+    ServiceError as ServiceError,
 )
 from slewtrack.here import calls_here as _calls_here
 
 if TYPE_CHECKING:
-    from slewtrack.client import AsyncClient, Client
+    from slewtrack.client import AsyncClient as AsyncClient
+    from slewtrack.client import Client as Client
 
 _here = _calls_here()
 campaign = _here.campaign
@@ -54,43 +75,8 @@ stars = _here.stars
 table = _here.table
 view = _here.view
 
-__all__ = [
-    "AsyncClient",
-    "BadAnswer",
-    "Cancelled",
-    "Client",
-    "Columns",
-    "Job",
-    "NoAnswer",
-    "NotFinished",
-    "Plan",
-    "Problem",
-    "Progress",
-    "Refused",
-    "ServiceError",
-    "campaign",
-    "check",
-    "compare",
-    "delete",
-    "draw_comparison",
-    "estimate_vertical",
-    "export",
-    "export_campaign",
-    "fly",
-    "get",
-    "next_pass",
-    "opportunities",
-    "places",
-    "plan",
-    "platforms",
-    "request",
-    "spacecraft",
-    "stars",
-    "submit",
-    "table",
-    "view",
-    "wait",
-]
+_public = {name for name in globals() if not name.startswith("_")}
+__all__ = sorted(_public - {"TYPE_CHECKING", "client", "here"} | {"AsyncClient", "Client"})
 
 
 def __dir__() -> list[str]:
