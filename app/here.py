@@ -84,12 +84,10 @@ class Desk:
         return _WAYS[f"{ask.method} {way}"](self, LocalAsk(ask, found_id, is_spacecraft))
 
     def table_file(self, made: Kept, format_name: str) -> bytes:
-        """Of a plan; raises Unverified."""
         _require_format(format_name, EXPORTERS)
         return stored_table_file(made.request, made.table_columns, format_name, datetime.now(UTC))
 
     def choose(self, body: bytes) -> Result:
-        """A campaign."""
         from app.work.campaign import choose
 
         return choose(body)
@@ -122,7 +120,6 @@ class Desk:
         return [found[plan_id] for plan_id in plan_ids if plan_id in found]
 
     def kept(self, kept_id: str) -> Kept:
-        """Raises InvalidInput."""
         if kept_id not in self._kept:
             raise InvalidInput(f"this process has made no {kept_id[:80]!r}, or has let go of it")
         return self._kept[kept_id]
@@ -167,7 +164,6 @@ class Desk:
         return b""
 
     def forget(self, work: LocalAsk) -> bytes:
-        """What is kept or waits."""
         self._open.pop(work.id, None)
         self._kept.pop(work.id, None)
         return b""
@@ -186,7 +182,6 @@ def _require_format(name: str, formats: Iterable[str]) -> None:
 
 @contextmanager
 def reporting(tell: OnProgress) -> Iterator[None]:
-    """What the work inside reports of itself is told."""
     report_through(tell)
     try:
         yield
@@ -324,7 +319,6 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
 def told_pass(
     part: Part, state: str = "queued", plan: str = "", problem: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
-    """As a campaign's answer tells it."""
     names = ("carrier", "start", "stop", "looks", "left_out", "resources")
     facts = {name: part.facts[name] for name in names if name in part.facts}
     return {**facts, "number": part.facts["pass"], "state": state, "plan": plan, "problem": problem}

@@ -10,6 +10,5 @@ _DEPENDENCIES = ("astropy-iers-data", "casadi", "numpy", "pyerfa", "ruckig", "sc
 
 @cache
 def versions() -> dict[str, str]:
-    """Name to version, ours and Python's first."""
     ours = {"slewtrack": VERSION, "python": platform.python_version()}
     return ours | {name: version(name) for name in _DEPENDENCIES}

@@ -44,7 +44,6 @@ _PROBLEM = TypeAdapter(Problem)
 
 
 def job_out(job: Job) -> JobResponse:
-    """As it stands."""
     return JobResponse(**job_members(job))
 
 
@@ -58,7 +57,6 @@ def job_members(job: Job) -> dict[str, Any]:
 
 
 def job_json(job: Job) -> bytes:
-    """A JobResponse as UTF-8 JSON."""
     return to_json(job_out(job))
 
 

@@ -23,7 +23,6 @@ class PlatformList:
 
 
 def platform_list() -> PlatformList:
-    """All there are."""
     return PlatformList(platforms=[*map(definition_of, PLATFORMS.values()), *BODIES.values()])
 
 

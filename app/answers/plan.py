@@ -172,7 +172,6 @@ class DryRunResponse:
 
 
 def dry_run_json(plan: Plan, provenance: ProvenanceOut) -> bytes:
-    """A DryRunResponse as UTF-8 JSON."""
     return to_json(
         DryRunResponse(
             valid=True,
@@ -202,7 +201,6 @@ def require_verified(findings: Iterable[Finding]) -> None:
 
 
 def table_json(table: CommandTable) -> bytes:
-    """A TableOut as UTF-8 JSON, as the table's channels tell it."""
     # Constructed without validation: 2,000 floats that numpy has just made.
     return to_json(
         TableOut.model_construct(
@@ -215,7 +213,6 @@ def table_json(table: CommandTable) -> bytes:
 
 
 def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: ProvenanceOut) -> bytes:
-    """A PlanDocument as UTF-8 JSON."""
     report = plan.verification
     margins: dict[str, dict[str, LimitMargin]] = {}
     for margin in report.limits:

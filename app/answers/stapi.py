@@ -45,7 +45,6 @@ class Links:
         self._base = base
 
     def to(self, rel: str, path: str, media_type: str = JSON, **members: Any) -> Link:  # noqa: ANN401 (of a Link)
-        """To a path below the address."""
         return Link(href=self._base + path, rel=rel, type=media_type, **members)
 
     def create_order(self, product_id: str, body: Mapping[str, Any] | None = None) -> Link:
@@ -55,7 +54,6 @@ class Links:
 
 
 def product_out(product: StapiProduct, links: Links) -> Product:
-    """As it is listed, and alone."""
     at = f"stapi/products/{product.id}"
     told = ("id", "title", "description", "license")
     below = ("conformance", "queryables", "order-parameters")
@@ -128,12 +126,10 @@ class StandingOrder(NamedTuple):
 
     @property
     def made(self) -> list[Job]:
-        """Those of its plans that are made."""
         return [one for one in self.passes if one.state == "done"]
 
 
 def order_out(order: StandingOrder, links: Links) -> Order[OrderStatus]:
-    """As it stands."""
     asked, at = order.job.options["asked"], f"stapi/orders/{order.job.id}"
     planned: dict[str, Any] = {}
     if made := order.made:

@@ -80,7 +80,6 @@ def comparison_json(
     plan_id: str,
     provenance: ProvenanceOut,
 ) -> bytes:
-    """The whole answer as UTF-8 JSON."""
     alignment, assumes = comparison.alignment, comparison.sensors.assumes
     common_s = alignment.common_offset_s
     ideal_s, ideal_drift = comparison.ideal_clock or (None, None)

@@ -57,7 +57,6 @@ class PlanViewResponse(PlanView, PlanViewHead):
 
 
 def view_json(view: PlanView, plan_id: str, *, verified: bool) -> bytes:
-    """The whole answer as UTF-8 JSON."""
     scenario = view.plan.scenario
     targets = tuple(
         ViewedTarget(**vars(track), windows=[] if windows is None else _windows_out(windows))

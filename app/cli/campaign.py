@@ -145,7 +145,6 @@ def _of(one: Members) -> dict[str, Any]:
 
 
 def print_campaign(console: Console, choice: Members, passes: Sequence[Members]) -> None:
-    """What was chosen and how far from the best that can be; a line per look."""
     from planner.planning.campaigns.chosen import KeptResource
 
     looks = [{**_of(one), **look} for one in passes for look in one["looks"]]

@@ -117,7 +117,6 @@ def _add(head: dict[str, Any], path: Path) -> None:
 
 
 def print_comparison(console: Console, answer: Members) -> None:
-    """Samples, clock, axes and phases, what they did, what was seen beside."""
     for line in (*_samples(answer["samples"]), *_clock(answer)):
         console.print(Text(line))
     print_rows(

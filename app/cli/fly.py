@@ -61,7 +61,6 @@ def fly(
 
 
 def print_flights(console: Console, found: Members) -> None:
-    """Probabilities, sessions, causes of the errors, warnings."""
     console.print(
         Text.assemble(
             (f"{found['flown']} flights", "bold"),

@@ -134,7 +134,6 @@ def measure_frames(
 
 
 def print_estimate(console: Console, estimate: Members) -> None:
-    """Verdict, nadirs, check, cameras, warnings."""
     console.print(_verdict(estimate))
     for name, member in (("geocentric", ""), ("geodetic", "geodetic_")):
         nadir, sigma_deg = estimate[f"nadir_{member}body"], estimate[f"{member}sigma_deg"]
@@ -160,7 +159,6 @@ def print_estimate(console: Console, estimate: Members) -> None:
 
 
 def print_series(console: Console, series: Members) -> None:
-    """One line per frame, then the bias."""
     print_rows(
         console, None, series["frames"],
         ("<UTC", "at"), ("<verdict", "verdict"), ("sigma deg", "sigma_deg", ".4f"),

@@ -73,7 +73,6 @@ def plan(
 
 
 def _require_verified(verdict: Members) -> None:
-    """Raises Unverified."""
     if verdict["passed"]:
         return
     from app.answers.plan import require_verified

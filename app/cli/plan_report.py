@@ -13,7 +13,6 @@ from app.cli.report_parts import print_assumed, print_rows, print_warnings
 
 
 def print_plan(console: Console, plan: Members, request: bytes | Members) -> None:
-    """Which plan it is, what was taken for granted, segments, error, margins, warnings."""
     table, total_s = plan["table"], sum(plan["solver"]["stages_wall_s"].values())
     asked = json.loads(request) if isinstance(request, bytes) else request
     console.print(Text(plan["name"] or "Plan", style="bold").append(_identity(plan, asked), "none"))

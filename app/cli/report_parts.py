@@ -149,6 +149,5 @@ def print_reasons(console: Console, meaning: str, targets: Sequence[Mapping[str,
 
 
 def print_warnings(console: Console, warnings: Iterable[str]) -> None:
-    """One line each."""
     for warning in warnings:
         console.print(Text(f"warning: {warning}", style="yellow"))

@@ -52,7 +52,6 @@ def windows(
 
 
 def print_windows(console: Console, found: Members) -> None:
-    """One line per window, seen at its closest approach."""
     windows = found["windows"]
     targets = len({window["target"] for window in windows}) + len(found["unseen"])
     console.print(Text.assemble((f"{len(windows)} windows", "bold"), f" of {targets} targets"))

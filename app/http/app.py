@@ -86,7 +86,6 @@ _OF_API = (
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
-    """The service; settings default to the environment's."""
     settings = settings or settings_of_environment()
     app = FastAPI(
         title="slewtrack",
@@ -241,7 +240,6 @@ def _describe(app: FastAPI) -> None:
 
 
 def _answers() -> Iterator[object]:
-    """The classes of all answers."""
     for route in _routes():
         yield route.response_model
         yield from (answer.get("model") for answer in route.responses.values())

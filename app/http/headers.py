@@ -55,7 +55,6 @@ def request_id_of(header: str | None) -> str:
 
 
 def remember_request_id(scope: Mapping[str, Any], request_id: str) -> None:
-    """Where `instance` finds it."""
     scope["state"][_STATE] = request_id
 
 

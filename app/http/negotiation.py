@@ -194,5 +194,4 @@ async def read_parts(
 
 
 def unreadable(field: str, detail: str) -> InvalidRequest:
-    """The refusal of a part."""
     return InvalidRequest(FieldError(field=field, detail=detail))

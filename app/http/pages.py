@@ -85,7 +85,6 @@ def is_built() -> bool:
 
 
 def not_built() -> Response:
-    """Says how to build the pages."""
     return Response(_NOT_BUILT, headers=_page_headers(), media_type=_HTML)
 
 
@@ -97,7 +96,6 @@ def _room(request: Request) -> Response:
 
 
 def _document(request: Request) -> Response | None:
-    """None where the page isn't built."""
     try:
         built = (BUILT / "index.html").read_bytes()
     except FileNotFoundError:
@@ -140,7 +138,6 @@ def serve_files(app: FastAPI) -> None:
 
 @router.get("/openapi.json")
 async def get_openapi(request: Request) -> Response:
-    """For programs."""
     # Half a second the first time, in which others are answered.
     document = await anyio.to_thread.run_sync(_openapi_json, request.app)
     return Response(document, media_type=JSON)
@@ -153,14 +150,12 @@ def _openapi_json(app: FastAPI) -> bytes:
 
 @router.get("/docs")
 async def get_docs() -> Response:
-    """To read and try out."""
     style = f'<link rel="stylesheet" href="{_PUBLISHED}swagger-ui.css">\n'
     return _page("swagger-ui-bundle.js", "docs.js", style)
 
 
 @router.get("/redoc")
 async def get_redoc() -> Response:
-    """To read and print."""
     return _page("redoc.standalone.js", "redoc.js")
 
 

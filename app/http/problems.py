@@ -39,7 +39,6 @@ def problem_type(scope: Mapping[str, Any]) -> str | None:
 
 
 def refusal_answer(request: Request, refusal: Exception) -> Response:
-    """The answer to what was refused."""
     assert isinstance(refusal, Refusal)
     return problem_answer(request, problem_of(refusal))
 
@@ -99,7 +98,6 @@ def _near(request: Request) -> str:
 def problem_answer(
     request: Request, problem: Mapping[str, Any], headers: Mapping[str, str] | None = None
 ) -> Response:
-    """The answer to this request that tells a problem."""
     members = {**problem, "instance": instance(request.scope)}
     request.scope["state"][_PROBLEM_TYPE] = members["type"]
     status = HTTPStatus(members["status"])

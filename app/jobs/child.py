@@ -40,7 +40,6 @@ class Message(NamedTuple):
     may_do_more: bool = False
 
     def to_bytes(self) -> bytes:
-        """For the line to the service."""
         return pickle.dumps(self)
 
 
@@ -65,7 +64,6 @@ class TooDemanding(Refusal):
 
 
 def work_until_closed(line: Connection) -> None:
-    """The child's whole life."""
     from app.work import preload  # here already, since the server imported it
 
     _die_with_service(preload.SERVER_PID)

@@ -86,7 +86,6 @@ class Dispatcher:
         self._extended_s = self._pruned_s = time.monotonic()
 
     def start(self) -> None:
-        """Begin to take work up."""
         self._thread.start()
 
     def close(self) -> None:

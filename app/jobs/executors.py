@@ -31,7 +31,6 @@ class RunTask(Protocol):
 
 
 def run_here(task: Task, stop: Stop, on_progress: OnProgress | None = None) -> Any:  # noqa: ANN401 (the work's)
-    """By a child of this machine."""
     return run_in_worker(
         task.bounds, task.work, *task.arguments, stop=stop, on_progress=on_progress
     )

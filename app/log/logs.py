@@ -80,7 +80,6 @@ class OneASecond(logging.Filter):
         self._left_out: dict[tuple[object, ...], int] = {}
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """False for what is left out."""
         if record.levelno < logging.WARNING:
             return True
         where = (record.name, record.levelno, record.pathname, record.lineno)

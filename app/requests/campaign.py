@@ -14,11 +14,9 @@ class CampaignReader(JsonReader[CampaignRequest | FleetRequest]):
         self.others = (FLEET_READER,)
 
     def read(self, body: bytes) -> CampaignRequest | FleetRequest:
-        """The value; raises InvalidRequest with the fields at fault."""
         return FLEET_READER.read(body) if _has_carriers(body) else super().read(body)
 
     def read_kept(self, body: bytes) -> CampaignRequest | FleetRequest:
-        """As a reader of either class has it."""
         return FLEET_READER.read_kept(body) if _has_carriers(body) else super().read_kept(body)
 
 

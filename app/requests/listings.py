@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
 
 def listing_of_scenario(scenario: "Scenario") -> Listing:
-    """Of a plan."""
     return Listing(
         platform=scenario.platform.name,
         start_utc=scenario.sessions[0].start,
@@ -23,7 +22,6 @@ def listing_of_scenario(scenario: "Scenario") -> Listing:
 
 
 def listing_of_imaging(request: "ImagingPlanRequest") -> Listing:
-    """Of an imaging session."""
     return Listing(
         platform=request.spacecraft,
         start_utc=request.start,
@@ -33,7 +31,6 @@ def listing_of_imaging(request: "ImagingPlanRequest") -> Listing:
 
 
 def listing_of_search(request: "CampaignRequest | FleetRequest | OpportunityRequest") -> Listing:
-    """Of a campaign or of opportunities."""
     return Listing(
         platform=request.platform_names,
         start_utc=request.start,

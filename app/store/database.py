@@ -273,7 +273,6 @@ class Database:
             record.info["damages"] = self._damages
 
     def close(self) -> None:
-        """Give all connections back."""
         self._engine.dispose()
 
 

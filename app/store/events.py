@@ -28,7 +28,6 @@ class Event:
 
 
 def begin(connection: Connection, job_id: str, *states: Mapping[str, Any]) -> None:
-    """The first events of a new job."""
     now_utc = datetime.now(UTC)
     connection.execute(
         _NEW,
@@ -46,7 +45,6 @@ def record(connection: Connection, job_id: str, kind: str, data: Mapping[str, An
 
 
 def after(connection: Connection, job_id: str, seq: int) -> list[Event]:
-    """Those later than the seq-th."""
     columns = (EventRow.seq, EventRow.at_utc, EventRow.kind, EventRow.data)
     found = connection.execute(
         select(*columns).where(EventRow.job_id == job_id, EventRow.seq > seq).order_by(EventRow.seq)

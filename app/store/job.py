@@ -28,7 +28,6 @@ class Listing:
     probability_in_frame: float | None = None
 
     def columns(self, name: str) -> dict[str, Any]:
-        """Of a `JobRow` with this name."""
         return {
             "platform": self.platform,
             "start_utc": self.start_utc,
@@ -108,5 +107,4 @@ class Job:
 
     @property
     def is_open(self) -> bool:
-        """Whether there is still something to wait for."""
         return self.state in OPEN_STATES

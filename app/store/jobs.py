@@ -167,7 +167,6 @@ def _insert(connection: Connection, new: NewJob, stands: dict[str, Any]) -> None
 
 
 def get(connection: Connection, job_id: str) -> Job | None:
-    """By its id."""
     return _one(connection, _JOB, of_job=job_id)
 
 
@@ -177,7 +176,6 @@ def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
 
 
 def request_of(connection: Connection, job_id: str) -> bytes | None:
-    """The body a job was asked for by."""
     found = connection.scalar(select(JobRow.request).where(JobRow.id == job_id))
     return None if found is None else unzip(found)
 

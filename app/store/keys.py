@@ -62,13 +62,11 @@ class KeyStore:
         return key if key is not None and matches(key, secret) else None
 
     def good_digests(self) -> frozenset[str]:
-        """SHA-256 of the secrets of all keys that aren't revoked."""
         query = select(KeyRow.secret_sha256).where(KeyRow.revoked_utc.is_(None))
         with self._database.reading() as connection:
             return frozenset(connection.execute(query).scalars())
 
     def any_valid(self) -> bool:
-        """Whether anyone could get in with a key."""
         query = select(exists().where(KeyRow.revoked_utc.is_(None)))
         with self._database.reading() as connection:
             return bool(connection.execute(query).scalar_one())

@@ -41,7 +41,6 @@ def unzip(packed: bytes) -> bytes:
 
 
 def pack(table: PackedColumns) -> bytes:
-    """Columns and facts in one piece."""
     shapes = {name: list(values.shape) for name, values in table.columns.items()}
     head = json.dumps({"shapes": shapes, "facts": table.facts}, separators=(",", ":")).encode()
     bodies = [_sorted_bytes(np.asarray(values, dtype="<f8")) for values in table.columns.values()]

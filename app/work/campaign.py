@@ -326,7 +326,6 @@ class MadePass:
 
     @property
     def looks(self) -> Sequence[Mapping[str, Any]]:
-        """Those that are planned."""
         looks: Sequence[Mapping[str, Any]] = self.facts["looks"]
         return looks
 

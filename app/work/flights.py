@@ -45,7 +45,6 @@ class PlanToFly:
     count: int = 0
 
     def to_bytes(self, first: int = 0, count: int = 0) -> bytes:
-        """JSON."""
         return to_json(replace(self, first=first, count=count))
 
 
@@ -109,7 +108,6 @@ def flights_head(
 
 
 def fly_part(body: bytes, _: object = None) -> Result:
-    """Outcomes of some runs, packed."""
     from planner.inflight.flights.runs import fly_runs
     from planner.inflight.flights.scene import session_scenes
 
@@ -127,7 +125,6 @@ def fly_part(body: bytes, _: object = None) -> Result:
 
 
 def packed_outcomes(sessions: Sequence[RunOutcomes], first: int) -> bytes:
-    """As they are stored."""
     return pack(
         PackedColumns(
             columns={

@@ -85,7 +85,6 @@ def _views(
 
 
 def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON."""
     law, moments = request.attitude, request.instants
     r_m, q, warnings = attitudes_at(request.orbit, law.q_body_from_eci, moments)
     found = _views(r_m, q, request.cameras, moments, request.body, request.attitude_sigma_deg)
@@ -176,7 +175,6 @@ def measure(
 def estimate_json(
     request: HorizonRequest, images: Sequence[bytes], provenance: ProvenanceOut
 ) -> bytes:
-    """The whole answer as UTF-8 JSON."""
     estimate, overlays = measure(request, images, draw=request.overlay)
     return to_json(estimate_out(estimate, request.epoch, overlays, provenance))
 

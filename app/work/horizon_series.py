@@ -152,7 +152,6 @@ def measure_series(
 
 
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON."""
     frames = zip(series.requests, series.estimates, strict=True)
     return to_json(
         SeriesResponse(

@@ -47,7 +47,6 @@ def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
 
 
 def stored_table_json(table_columns: bytes) -> bytes:
-    """The table as the answer holds it."""
     return table_json(stored_table(unpack(table_columns)))
 
 
@@ -61,7 +60,6 @@ def stored_table_file(
 
 
 def require_verified_table(packed: PackedColumns) -> None:
-    """Raises Unverified."""
     require_verified(_finding(**error) for error in packed.facts["errors"])
 
 
@@ -84,7 +82,6 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
 
 
 def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) -> Segment:
-    """As it is stored, and told in answers."""
     start_utc, stop_utc = utc_from_text(start), utc_from_text(stop)
     return Segment(kind=kind, session=session, start_utc=start_utc, stop_utc=stop_utc)
 
@@ -120,7 +117,6 @@ def packed_plan(plan: FlightPlan, judged: VerificationReport | None = None) -> P
 
 
 def stored_table(packed: PackedColumns) -> CommandTable:
-    """Every bit of it."""
     epoch_utc = utc_from_text(packed.facts["epoch"])
     channels = tuple(Channel(*channel) for channel in packed.facts["channels"])
     return CommandTable(epoch_utc=epoch_utc, channels=channels, **packed.columns)

@@ -37,6 +37,5 @@ def report(
     value: float | None = None,
     bound: float | None = None,
 ) -> None:
-    """Tell whoever runs this work."""
     if _reporter is not None:
         _reporter(Progress(stage=stage, done=done, of=of, value=value, bound=bound))

@@ -90,7 +90,6 @@ def read_windows(body: bytes, edges: bytes, asked: WindowsAsked) -> Page:
 
 
 def opened(media_type: str, search_id: str, head: bytes, reasons: bytes | None) -> bytes:
-    """What comes before the windows."""
     if media_type == CSV:
         return csv_lines([PASS_COLUMNS]).encode()
     told = [b'"id":' + to_json(search_id), head[1:-1]]
@@ -101,7 +100,6 @@ def opened(media_type: str, search_id: str, head: bytes, reasons: bytes | None) 
 
 
 def closed(media_type: str, after: int | None) -> bytes:
-    """What comes after the windows."""
     return b"" if media_type == CSV else b'],"next":' + to_json(after) + b"}"
 
 

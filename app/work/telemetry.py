@@ -62,7 +62,6 @@ def compare_stored(
 
 
 def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> "Comparison":
-    """Raises Refusals."""
     from planner.inflight.telemetry.compare import compare
 
     return compare(plan, _samples(plan, sent))

@@ -75,7 +75,6 @@ class Job(Answer):
 
     @property
     def is_open(self) -> bool:
-        """Whether it waits or runs."""
         return self.state in OPEN_STATES
 
 

@@ -64,7 +64,6 @@ class Service:
 
 
 def left_s(ask: Ask) -> float:
-    """For the whole answer."""
     return ANSWER_S if ask.until_s is None else max(ask.until_s - time.monotonic(), LEAST_S)
 
 

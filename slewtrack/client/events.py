@@ -32,7 +32,6 @@ class Events:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether anybody is told of them."""
         return self._progress is not None
 
     @property

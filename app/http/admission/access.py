@@ -181,7 +181,6 @@ class Access:
 
 
 def scope_needed(method: str, path: str) -> KeyScope:
-    """What a key must allow."""
     if path.startswith("/v1/audit"):
         return "admin"
     return "read" if method in ("GET", "HEAD") else "write"

@@ -142,7 +142,6 @@ class GuardedBody:
         return message
 
     def release(self) -> None:
-        """The request is answered."""
         self._held.now -= self._mine
         self._mine = 0
 

@@ -178,8 +178,6 @@ class JobResource:
         )
 
     def add_list(self, router: APIRouter) -> None:
-        """GET those there are, a page at a time."""
-
         @router.get(
             "",
             summary=f"List {self.plural}",
@@ -241,8 +239,6 @@ class JobResource:
             return Response(answer, headers=headers, media_type=media_type)
 
     def add_request(self, router: APIRouter) -> None:
-        """GET what one of them was asked for by."""
-
         @router.get(
             "/{id}/request",
             summary=f"Get the request for a {self.singular}",
@@ -266,8 +262,6 @@ class JobResource:
             return Response(body, headers=headers, media_type=JSON)
 
     def add_delete(self, router: APIRouter) -> None:
-        """DELETE one of them: cancel or forget."""
-
         @router.delete(
             "/{id}",
             summary=f"Cancel or delete a {self.singular}",
@@ -313,8 +307,6 @@ class JobResource:
         return Response(status_code=HTTPStatus.NO_CONTENT)
 
     def add_events(self, router: APIRouter) -> None:
-        """GET what happens to one of them."""
-
         @router.get(
             "/{id}/events",
             summary=f"Stream the events of a {self.singular}",
@@ -347,7 +339,6 @@ class JobResource:
 
 
 def _key_id_of(request: Request) -> str | None:
-    """Id of the API key that a request came with."""
     key_id: str | None = getattr(request.state, "key_id", None)
     return key_id
 

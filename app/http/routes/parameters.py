@@ -183,7 +183,6 @@ async def idempotency_key(
         ),
     ] = None,
 ) -> str | None:
-    """The header, when it is one."""
     if key is not None and not (0 < len(key) <= _KEY_CHARACTERS_MAX and key.isprintable()):
         raise InvalidInput(
             f"must have 1 to {_KEY_CHARACTERS_MAX} printable characters",

@@ -96,7 +96,6 @@ class PlanResource(JobResource):
     fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 
     def routes(self) -> APIRouter:
-        """All of them."""
         router = APIRouter(tags=[self.tag], prefix=self.path)
         self._add_post(router)
         self.add_list(router)
@@ -271,7 +270,6 @@ class PlanResource(JobResource):
         return plan
 
     async def _whole_json(self, request: Request, plan: StoredPlan) -> bytes:
-        """The answer to the request it was planned for."""
         if len(plan.table_columns) > _PACKED_MAX_BYTES:
             table = await in_child(request, EXPORT_BOUNDS, self.table_json, plan.table_columns)
         else:

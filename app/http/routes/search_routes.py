@@ -142,7 +142,6 @@ class SearchResource(JobResource):
         )
 
     def routes(self) -> APIRouter:
-        """All of them."""
         router = APIRouter(tags=[self.tag], prefix=self.path)
         self._add_post(router)
         self.add_list(router)

@@ -120,7 +120,6 @@ def _json(model: BaseModel, media_type: str = JSON, **answer: Any) -> Response: 
 @router.get("", dependencies=ONLY_JSON)
 @router.get("/", dependencies=ONLY_JSON)
 async def get_landing_page(request: Request, to: To) -> Response:
-    """The way to everything."""
     service: StapiProducts = request.app.state.stapi[0]
     below = [to.to(one, f"stapi/{one}") for one in ("conformance", "products")]
     links = [to.to("self", "stapi"), *below, to.to("orders", "stapi/orders", GEOJSON)]
@@ -131,7 +130,6 @@ async def get_landing_page(request: Request, to: To) -> Response:
 
 @router.get("/conformance", dependencies=ONLY_JSON)
 async def get_conformance() -> Response:
-    """The service's conformance classes."""
     return _json(Conformance(conforms_to=CONFORMS_TO))
 
 
@@ -151,13 +149,11 @@ async def get_products(request: Request, page: Page, to: To) -> Response:
 
 @router.get("/products/{product_id}", dependencies=ONLY_JSON)
 async def get_product(found: Found, to: To) -> Response:
-    """One product."""
     return _json(product_out(found.spec, to))
 
 
 @router.get("/products/{product_id}/conformance", dependencies=ONLY_JSON)
 async def get_product_conformance(found: Found) -> Response:
-    """Its conformance classes."""
     return _json(Conformance(conforms_to=PRODUCT_CONFORMS_TO))
 
 
@@ -263,7 +259,6 @@ async def get_orders(request: Request, page: Page, to: To) -> Response:
 
 @router.get("/orders/{id}", dependencies=AS_GEOJSON)
 async def get_order(request: Request, order_id: PathId, to: To) -> Response:
-    """As it stands."""
     return _json(await _order(request, order_id, to), GEOJSON)
 
 

@@ -14,7 +14,6 @@ _ID = sa.String(36)
 
 
 def upgrade() -> None:
-    """Make them."""
     _jobs()
     _keys_and_audit()
     op.create_table(
