@@ -6,9 +6,10 @@ the work goes on, and asked for again when the result is stored: whoever lost it
 
 import secrets
 import zlib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from types import MappingProxyType
 from typing import Any
 
 from sqlalchemy import (
@@ -34,41 +35,19 @@ from app.store import events
 from app.store.job import Job, Listing, folded
 from app.store.models import JobRow, KeyRow, database_now_s
 from app.store.packed import unzip
+from planner.world.frames.time_scales import utc_from_text
 
-
-@dataclass(frozen=True, kw_only=True)
-class ListFilter:
-    """None: whatever.
-
-    name: in the job's.  target: in a target's.  text: in the name, the platform's or a target's.
-    Upper and lower case are alike in target and text.
-    begins_before_utc, ends_after_utc: of what is looked at.
-    """
-
-    state: JobState | None = None
-    name: str | None = None
-    target: str | None = None
-    text: str | None = None
-    begins_before_utc: datetime | None = None
-    ends_after_utc: datetime | None = None
-
-    def conditions(self) -> Iterator[ColumnElement[bool]]:
-        """All of which it meets."""
-        if self.state is not None:
-            yield JobRow.state == self.state
-        if self.name is not None:
-            yield JobRow.name.contains(self.name, autoescape=True)
-        if self.target is not None:
-            yield JobRow.target_words.contains(folded(self.target), autoescape=True)
-        if self.text is not None:
-            yield JobRow.words.contains(folded(self.text), autoescape=True)
-        if self.begins_before_utc is not None:
-            yield JobRow.start_utc < self.begins_before_utc
-        if self.ends_after_utc is not None:
-            yield JobRow.stop_utc > self.ends_after_utc
-
-
-EVERY_ROW = ListFilter()
+# By the name of a list's filter: the condition it sets.  name: in the job's; target: in a target's;
+# text: in the name, the platform's or a target's; upper and lower case are alike in the last two.
+# before, after: UTC text; what is looked at begins, ends so.
+FILTERS: Mapping[str, Callable[[Any], ColumnElement[bool]]] = {
+    "state": lambda state: JobRow.state == state,
+    "name": lambda name: JobRow.name.contains(name, autoescape=True),
+    "target": lambda text: JobRow.target_words.contains(folded(text), autoescape=True),
+    "text": lambda text: JobRow.words.contains(folded(text), autoescape=True),
+    "before": lambda utc: JobRow.start_utc < utc_from_text(utc),
+    "after": lambda utc: JobRow.stop_utc > utc_from_text(utc),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,14 +167,15 @@ def latest(
     before: str | None = None,
     parent_id: str | None = None,
     plan_id: str | None = None,
-    list_filter: ListFilter = EVERY_ROW,
+    filters: Mapping[str, Any] = MappingProxyType({}),
 ) -> list[Job]:
-    """Jobs of a kind, the latest first; `before` an id.
+    """Jobs of a kind, the latest first; `before` an id.  filters: by `FILTERS`, None of no use.
 
     Parts of the larger job, or without one those that are no parts; with `plan_id` those about
     that plan.
     """
-    conditions = [JobRow.kind == kind, JobRow.parent_id == parent_id, *list_filter.conditions()]
+    conditions = [JobRow.kind == kind, JobRow.parent_id == parent_id]
+    conditions += [FILTERS[name](asked) for name, asked in filters.items() if asked is not None]
     if plan_id is not None:
         conditions.append(JobRow.plan_id == plan_id)
     if before is not None:

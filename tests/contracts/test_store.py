@@ -25,7 +25,6 @@ from app.ids import is_id, new_id
 from app.jobs.job_completion import settle
 from app.store import audit, events, jobs, migrate, models, plans, results
 from app.store.database import open_database
-from app.store.jobs import ListFilter
 from app.store.keys import KeyStore
 from app.store.migrate import open_migrated, upgrade
 from app.store.models import JobRow, PlainString, ResultRow
@@ -356,10 +355,10 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
     job_id, _ = accepted(database, tmp_path, name=name)
     with database.writing() as connection:
         audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
-        for list_filter in (ListFilter(name=name), ListFilter(text=name)):
-            assert [
-                job.id for job in jobs.latest(connection, "note", 9, list_filter=list_filter)
-            ] == [job_id]
+        for filters in ({"name": name}, {"text": name}):
+            assert [job.id for job in jobs.latest(connection, "note", 9, filters=filters)] == [
+                job_id
+            ]
     KeyStore(database).create(name, ["read"])
 
 

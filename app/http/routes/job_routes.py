@@ -203,7 +203,7 @@ class JobResource:
                 before=query.cursor,
                 parent_id=getattr(query, "campaign", None),
                 plan_id=plan_id,
-                list_filter=query.list_filter(),
+                filters={name: getattr(query, name) for name in jobs.FILTERS},
             ),
         )
         answer = list_json(self.list_response, jobs_and_one, query.limit)

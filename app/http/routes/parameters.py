@@ -8,7 +8,6 @@ from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
 from app.ids import JobState, is_id
-from app.store.jobs import ListFilter
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text
 from planner.world.platforms import PIXELS_ARCSEC
@@ -74,17 +73,6 @@ class ListQuery(Parameters):
         description="Only those that begin before this time: their `start`, not when they were "
         "made. With `after`: all that lie in between, in part or in whole.",
     )
-
-    def list_filter(self) -> ListFilter:
-        """What the store looks for."""
-        return ListFilter(
-            state=self.state,
-            name=self.name,
-            target=self.target,
-            text=self.text,
-            begins_before_utc=None if self.before is None else utc_from_text(self.before),
-            ends_after_utc=None if self.after is None else utc_from_text(self.after),
-        )
 
 
 class PlanListQuery(ListQuery):
