@@ -45,13 +45,12 @@ from slewtrack.client import (
 from slewtrack.client import (
     ServiceError as ServiceError,
 )
-from slewtrack.here import calls_here as _calls_here
+from slewtrack.here import calls_here as _here
 
 if TYPE_CHECKING:
     from slewtrack.client import AsyncClient as AsyncClient
     from slewtrack.client import Client as Client
 
-_here = _calls_here()
 campaign = _here.campaign
 check = _here.check
 compare = _here.compare

@@ -12,11 +12,6 @@ if TYPE_CHECKING:
     from app.here import Desk
 
 
-def calls_here() -> Calls:
-    """The calls of `Client` without a service; `spacecraft` has those of the spacecraft."""
-    return Calls(Exchange(answer=_reply, meaning=lambda error: error, patience_s=0.0))
-
-
 @cache
 def _desk() -> "Desk":
     from app.here import Desk
@@ -34,3 +29,7 @@ async def _reply(ask: Ask) -> Reply:
     except Refusal as refusal:
         problem = problem_of(refusal)
         return Reply(status=problem["status"], headers={}, body=json.dumps(problem).encode())
+
+
+# The calls of `Client` without a service; `spacecraft` has those of the spacecraft.
+calls_here = Calls(Exchange(answer=_reply, meaning=lambda error: error, patience_s=0.0))

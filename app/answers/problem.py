@@ -21,12 +21,8 @@ _STATUS = {
 T = TypeVar("T")
 
 
-def _is_not_told(value: object) -> bool:
-    return value is None or value == ()
-
-
 # Left out of the JSON of a problem, alone or within another answer, where there is nothing to tell.
-IfTold = Annotated[T, Field(exclude_if=_is_not_told)]
+IfTold = Annotated[T, Field(exclude_if=lambda value: value in (None, ()))]
 
 
 @dataclass(frozen=True, kw_only=True)

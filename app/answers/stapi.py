@@ -1,7 +1,6 @@
 """STAPI's answers, as its own classes have them; loaded where an operator has products."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import datetime
 from typing import Any, Literal, NamedTuple
 
 from stapi_pydantic import (
@@ -101,11 +100,6 @@ def opportunity_out(
     )
 
 
-def _ends(interval: str) -> tuple[datetime, datetime]:
-    start, stop = interval.split("/")
-    return utc_from_text(start), utc_from_text(stop)
-
-
 def _positions(coordinates: Sequence[Any]) -> Iterator[Sequence[float]]:
     if not isinstance(coordinates[0], Sequence):
         yield coordinates
@@ -131,6 +125,7 @@ class StandingOrder(NamedTuple):
 
 def order_out(order: StandingOrder, links: Links) -> Order[OrderStatus]:
     asked, at = order.job.options["asked"], f"stapi/orders/{order.job.id}"
+    start_utc, stop_utc = map(utc_from_text, asked["datetime"].split("/"))
     planned: dict[str, Any] = {}
     if made := order.made:
         likely = [one.probability_in_frame for one in made if one.probability_in_frame is not None]
@@ -144,7 +139,7 @@ def order_out(order: StandingOrder, links: Links) -> Order[OrderStatus]:
             created=order.job.created_utc,
             status=statuses_of(order, links)[-1],
             search_parameters=OrderSearchParameters(
-                datetime=_ends(asked["datetime"]),
+                datetime=(start_utc, stop_utc),
                 geometry=asked["geometry"],
                 filter=asked["filter"],
             ),

@@ -86,7 +86,8 @@ def print_flights(console: Console, found: Members) -> None:
         ("sharp", "sharp"), ("error arcsec", lambda one: max(one["error_arcsec"]), ".2f"),
         ("smear px", lambda one: max(one["smear_px"]), ".2f"),
         ("sample m", lambda one: min(one["ground_sample_across_m"] or (), default=None), ".2f"),
-        ("object px", "moving_object_px", _range),
+        ("object px", "moving_object_px",
+         lambda px: f"{min(px):.0f}..{max(px):.0f}" if px else "-"),
     )  # fmt: skip
     print_rows(
         console, "causes of the errors", found["contributors"],
@@ -108,10 +109,6 @@ def _probability(value: float | None, share_interval: list[float] | None) -> str
     if value is None or share_interval is None:
         return "-"
     return f"{value:.3f} ({share_interval[0]:.3f}..{share_interval[1]:.3f})"
-
-
-def _range(moved_px: list[float] | None) -> str:
-    return f"{min(moved_px):.0f}..{max(moved_px):.0f}" if moved_px else "-"
 
 
 def draw_flights(found: Members, image_format: str) -> bytes:

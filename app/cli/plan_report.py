@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from datetime import datetime
+from operator import itemgetter
 from typing import Any
 
 from rich.console import Console
@@ -35,7 +36,8 @@ def print_plan(console: Console, plan: Members, request: bytes | Members) -> Non
     print_rows(
         console, "pointing budget, 1 sigma", plan["uncertainty"],
         _SESSION, ("arcsec", "sigma_arcsec", ".0f"), ("ground m", "ground_m", ".0f"),
-        ("stays in the frame", "probability_in_frame", ".1%"), ("~most of it by", _largest_cause),
+        ("stays in the frame", "probability_in_frame", ".1%"),
+        ("~most of it by", lambda one: max(one["contributions"], key=_SIGMA)["cause"]),
     )  # fmt: skip
     print_rows(
         console, "least margins",
@@ -143,6 +145,7 @@ def session_number(number: int | None) -> str:
     return "final" if number is None else str(number + 1)
 
 
+_SIGMA = itemgetter("sigma_arcsec")
 _SESSION = ("session", "session", session_number)
 _AT = ("<at UTC", "at", lambda at: "-" if at is None else at[11:-3])  # to a tenth of a second
 
@@ -151,10 +154,6 @@ def _seconds(segment: Members) -> float:
     from planner.world.frames.time_scales import elapsed_s, utc_from_text
 
     return elapsed_s(utc_from_text(segment["stop"]), utc_from_text(segment["start"]))
-
-
-def _largest_cause(budget: Members) -> str:
-    return str(max(budget["contributions"], key=lambda part: part["sigma_arcsec"])["cause"])
 
 
 def _is_entered(keep_out: Members) -> bool:

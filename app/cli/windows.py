@@ -1,6 +1,6 @@
 """`slewtrack windows`: times at which targets can be seen, found here or by a running service."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -85,19 +85,18 @@ def _kilometres(range_km: float | None) -> str:
 
 def windows_csv(windows: Sequence[Members]) -> str:
     """One line per window: its edges, then the view at its closest approach."""
-    return csv_lines(_csv_rows(windows))
-
-
-def _csv_rows(windows: Sequence[Members]) -> Iterator[list[object]]:
     from planner.output.windows.rows import SIGHTING
 
     view = [name for name in SIGHTING if name not in _BY_NAME]
     by_name = [f"{one}{unit}" for unit in _BY_NAME.values() for one in _angle_names(windows)]
-    yield [*_EDGES, *(f"closest_{name}" for name in (*view, *by_name))]
-    for window in windows:
-        seen = window["closest"]
-        yield [
+    rows = (
+        [
             *(window.get(name) for name in _EDGES),
             *(seen[name] for name in view),
             *(seen[kind][one] for kind in _BY_NAME for one in seen[kind]),
         ]
+        for window in windows
+        for seen in [window["closest"]]
+    )
+    heading = [*_EDGES, *(f"closest_{name}" for name in (*view, *by_name))]
+    return csv_lines([heading, *rows])

@@ -35,8 +35,10 @@ def settle(
     error = done.exception()
     if error is None:
         return _store(connection, job, kind, done.result())
-    if isinstance(error, Stopped):
-        return _stop(connection, job)
+    if isinstance(error, Stopped) and job.cancel_requested:
+        return jobs.finish(connection, job, "cancelled")
+    if isinstance(error, Stopped):  # the service stops; the next goes on
+        return jobs.give_back(connection, job, counted=False)
     problem = _problem(job, error)
     if problem is None:
         return take_up_again(connection, job, attempts_max)
@@ -115,12 +117,6 @@ def take_up_again(connection: Connection, job: Job, attempts_max: int) -> Job:
 def give_up(connection: Connection, job: Job) -> Job:
     """Our failure, which no other attempt would mend."""
     return jobs.finish(connection, job, "failed", bug())
-
-
-def _stop(connection: Connection, job: Job) -> Job:
-    if job.cancel_requested:
-        return jobs.finish(connection, job, "cancelled")
-    return jobs.give_back(connection, job, counted=False)  # the service stops; the next goes on
 
 
 def _problem(job: Job, error: BaseException) -> Mapping[str, Any] | None:

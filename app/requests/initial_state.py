@@ -74,7 +74,8 @@ class AskedInitialState:
             lead_s = _lead_s(platform, state.get(rules.state_members[0], {}))
             epoch_utc = shifted_utc(first_start_utc, -lead_s).replace(microsecond=0)
         else:
-            epoch_utc = _on_row(self.epoch)
+            on_row_us = self.epoch.microsecond // _STEP_US * _STEP_US
+            epoch_utc = self.epoch.replace(microsecond=on_row_us)  # the last that may be row 0
         epoch = utc_text(epoch_utc, 1)
         found: list[tuple[str, str, object]] = []
         if self.epoch is None:
@@ -98,11 +99,6 @@ class AskedInitialState:
                 members["past_looks"] = [one.told for one in self.past_looks]
             assumed = (Assumed(field="initial_state.after", detail=detail, members=members),)
         return InitialState(**state | {"epoch": epoch_utc, "assumed": assumed})
-
-
-def _on_row(moment_utc: datetime) -> datetime:
-    """The last moment not after it that may be row 0."""
-    return moment_utc.replace(microsecond=moment_utc.microsecond // _STEP_US * _STEP_US)
 
 
 def _lead_s(platform: AnyPlatform, position_deg: Mapping[str, float]) -> float:

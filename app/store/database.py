@@ -252,7 +252,8 @@ class Database:
                 raise
             if keeps_all_waiting(error):
                 outage.begin()
-            self._damages += may_leave_stale_pages(error)
+            # A connection may go on seeing what the file held when it was damaged.
+            self._damages += is_damage(error) or _sqlite_code(error) == sqlite3.SQLITE_IOERR
             if is_damage(error):
                 log.error("the database is damaged", error=error)
                 raise StoreDamaged from error
@@ -378,9 +379,7 @@ def is_of_the_store(error: Exception) -> bool:
         return True
     cause = _cause(error)
     if isinstance(cause, sqlite3.Error):
-        # Python's own complaints, of a connection that was closed, say, have no code.
-        code = getattr(cause, "sqlite_errorcode", None)
-        return code is not None and code & 0xFF in _SQLITE
+        return _sqlite_code(error) in _SQLITE
     if isinstance(error, DBAPIError):
         sqlstate: str | None = getattr(cause, "sqlstate", None)
         if sqlstate is None:  # never reached, or lost
@@ -394,22 +393,20 @@ def keeps_all_waiting(error: Exception) -> bool:
     """Whether others who try now would wait in vain, too."""
     cause = _cause(error)
     if isinstance(cause, sqlite3.Error):
-        return getattr(cause, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
+        return _sqlite_code(error) == sqlite3.SQLITE_BUSY
     return isinstance(error, SQLAlchemyError) and getattr(cause, "sqlstate", None) is None
 
 
 def is_damage(error: Exception) -> bool:
     """Whether what is stored is no longer what was stored, so that waiting doesn't help."""
-    cause = _cause(error)
-    code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
-    sqlstate = getattr(cause, "sqlstate", None)
-    return code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT) or sqlstate in _CORRUPTED
+    damage = (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+    return _sqlite_code(error) in damage or getattr(_cause(error), "sqlstate", None) in _CORRUPTED
 
 
-def may_leave_stale_pages(error: Exception) -> bool:
-    """Whether a connection may go on seeing what the file held when it was damaged."""
-    code = getattr(_cause(error), "sqlite_errorcode", 0) & 0xFF
-    return is_damage(error) or code == sqlite3.SQLITE_IOERR
+def _sqlite_code(error: Exception) -> int:
+    """Python's own complaints, of a connection that was closed, say, have none."""
+    code: int = getattr(_cause(error), "sqlite_errorcode", sqlite3.SQLITE_OK)
+    return code & 0xFF
 
 
 def _cause(error: Exception) -> BaseException | None:

@@ -186,12 +186,8 @@ def latest(
 
 def count_waiting(connection: Connection) -> int:
     """Jobs nobody works on yet; parts of a larger job aside, which was counted itself."""
-    return (
-        connection.scalar(
-            select(func.count()).where(JobRow.state == "queued", JobRow.parent_id.is_(None))
-        )
-        or 0
-    )
+    waiting = JobRow.state == "queued", JobRow.parent_id.is_(None)
+    return connection.scalar(select(func.count()).where(*waiting)) or 0
 
 
 def counts(connection: Connection) -> dict[tuple[str, str], int]:
@@ -219,8 +215,21 @@ def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Cla
             .limit(1)
             .with_for_update(skip_locked=True, key_share=True)
         ).one_or_none()
-        if row is not None:
-            return _claim_row(connection, row, lease_s)
+        if row is None:
+            continue
+        token, job, request = secrets.token_hex(16), _job(row), unzip(row._mapping["request"])
+        begun = {
+            "attempts": JobRow.attempts + 1,
+            "lease_token": token,
+            "lease_until_s": database_now_s() + lease_s,
+            "started_utc": job.started_utc or datetime.now(UTC),
+        }
+        connection.execute(
+            update(JobRow).where(JobRow.id == job.id).values(state="running", **begun)
+        )
+        data = {"state": "running", "attempt": job.attempts + 1}
+        events.record(connection, job.id, events.STATE, data)
+        return Claim(job=job, request=request, token=token)
     return None
 
 
@@ -230,24 +239,6 @@ def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...],
         (JobRow.state == "running", JobRow.lease_until_s < database_now_s(), of_kinds),
         (JobRow.state == "queued", of_kinds),
     )
-
-
-def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claim:
-    token, job, request = secrets.token_hex(16), _job(row), unzip(row._mapping["request"])
-    connection.execute(
-        update(JobRow)
-        .where(JobRow.id == job.id)
-        .values(
-            state="running",
-            attempts=JobRow.attempts + 1,
-            lease_token=token,
-            lease_until_s=database_now_s() + lease_s,
-            started_utc=job.started_utc or datetime.now(UTC),
-        )
-    )
-    data = {"state": "running", "attempt": job.attempts + 1}
-    events.record(connection, job.id, events.STATE, data)
-    return Claim(job=job, request=request, token=token)
 
 
 def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> frozenset[str]:

@@ -48,7 +48,9 @@ def upgrade(database: Database) -> None:
                     _migrate(connection, present, head)
                 database.revision = head
         except StoreUnavailable as error:
-            if not _is_locked(error) or time.monotonic() > until_s:
+            # Locked by another that starts, say; without a cause, it was just now.
+            locked = not error.__cause__ or reason(error.__cause__).startswith("SQLITE_BUSY")
+            if not locked or time.monotonic() > until_s:
                 raise _unusable(database, error.__cause__ or error) from error
             time.sleep(_PAUSE_S)
         except ProgrammingError as error:
@@ -62,11 +64,6 @@ def upgrade(database: Database) -> None:
 def _unusable(database: Database, error: BaseException) -> InvalidInput:
     why = reason(error) or "does its server run, and are host, user and password right?"
     return InvalidInput(f"the database can't be used: {why}", field=database.name)
-
-
-def _is_locked(error: StoreUnavailable) -> bool:
-    """By another that starts, say; without a cause, it was just now."""
-    return error.__cause__ is None or reason(error.__cause__).startswith("SQLITE_BUSY")
 
 
 def _revision(connection: Connection) -> str | None:

@@ -324,11 +324,6 @@ class MadePass:
         carrier = {"carrier": self.facts["carrier"]} if "carrier" in self.facts else {}
         return {"pass": self.number, **carrier}
 
-    @property
-    def looks(self) -> Sequence[Mapping[str, Any]]:
-        looks: Sequence[Mapping[str, Any]] = self.facts["looks"]
-        return looks
-
 
 def campaign_file(media_type: str, body: bytes, passes: Sequence[MadePass]) -> bytes:
     """In one of `SUFFIXES`; body: the campaign's request."""
@@ -343,7 +338,7 @@ def campaign_file(media_type: str, body: bytes, passes: Sequence[MadePass]) -> b
 
 
 def _looks_csv(passes: Sequence[MadePass]) -> bytes:
-    return looks_csv({**one.of, **look} for one in passes for look in one.looks).encode()
+    return looks_csv({**one.of, **look} for one in passes for look in one.facts["looks"]).encode()
 
 
 def looks_csv(looks: Iterable[Mapping[str, Any]]) -> str:
@@ -357,7 +352,7 @@ def looks_csv(looks: Iterable[Mapping[str, Any]]) -> str:
 def _map_features(passes: Sequence[MadePass]) -> Iterator[MapFeature]:
     for one in passes:
         sessions = read_plan_request(one.request).sessions
-        for look, session in zip(one.looks, sessions, strict=False):  # then a rest
+        for look, session in zip(one.facts["looks"], sessions, strict=False):  # then a rest
             members = dict(look)
             label, *times = (members.pop(name) for name in ("target", "start", "stop"))
             start_utc, stop_utc = map(utc_from_text, times)

@@ -395,10 +395,6 @@ def _array(values: Sequence[Any]) -> Column:
         array = np.empty(len(values), dtype=object)
         array[:] = values
         return array
-    if array.dtype == object and all(one is None or _is_number(one) for one in array.flat):
+    if array.dtype == object and all(type(one) in (int, float, type(None)) for one in array.flat):
         return array.astype(np.float64)
     return array.astype(np.float64) if array.dtype.kind == "i" else array
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)

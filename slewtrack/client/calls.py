@@ -618,7 +618,7 @@ def _catch_up(path: str, heard: Events) -> Call[None]:
     """With what a broken connection kept from who wants to be told, for a while."""
     seen: str | None = ""  # no event's id
     heard.until_s = min(heard.until_s or math.inf, time.monotonic() + CATCH_UP_S)
-    while heard.is_wanted and not heard.has_ended and seen != heard.last_id:
+    while heard.progress is not None and not heard.has_ended and seen != heard.last_id:
         seen = heard.last_id
         yield from _listen(path, heard)
         if time.monotonic() >= heard.until_s:

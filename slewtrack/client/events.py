@@ -23,16 +23,12 @@ class Events:
     """Those of one job; progress is told them, and until_s ends the listening."""
 
     def __init__(self, progress: OnProgress | None, until_s: float | None) -> None:
-        self._progress = progress
+        self.progress = progress
         self.until_s = until_s
         self._event: dict[str, str] = {}
         self._state = "queued"
         self.last_id: str | None = None
         self.has_ended = False
-
-    @property
-    def is_wanted(self) -> bool:
-        return self._progress is not None
 
     @property
     def headers(self) -> dict[str, str]:
@@ -58,8 +54,8 @@ class Events:
             if "data" in event:
                 self.last_id = event.get("id", self.last_id)
                 now = self._read(event.get("event", ""), event["data"])
-                if self._progress is not None:
-                    self._progress(now)
+                if self.progress is not None:
+                    self.progress(now)
         if self.until_s is not None and time.monotonic() >= self.until_s:
             raise TimeIsUp
 
