@@ -18,7 +18,6 @@ def new_id() -> str:
 
 
 def is_id(text: str) -> bool:
-    """Whether it has the form of one."""
     try:
         return str(uuid.UUID(text)) == text
     except ValueError:

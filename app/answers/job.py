@@ -22,7 +22,6 @@ class JobResponse(Job):
 
 
 def list_class(name: str, member: str, of_what: str) -> type[Any]:
-    """The answer that lists jobs under this member, a page at a time."""
     doc = f"""{of_what}, the latest first.
 
     {member}: those of this page.

@@ -59,7 +59,6 @@ def id_in(secret: str) -> str | None:
 
 
 def digest(secret: str) -> str:
-    """What is stored."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 

@@ -51,7 +51,6 @@ class KeyStore:
             return [_key(row) for row in connection.execute(query).mappings()]
 
     def find(self, secret: str) -> Key | None:
-        """The key that isn't revoked and has this secret."""
         key_id = id_in(secret)
         if key_id is None:
             return None

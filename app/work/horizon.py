@@ -181,7 +181,6 @@ def estimate_json(
 
 @_report_out_of_memory()
 def picture(request: PictureRequest) -> bytes:
-    """The rendered picture as a PNG file."""
     from estimator.overlay import encode_png
     from estimator.rendering.scene import HorizonRenderer
 
