@@ -1,12 +1,13 @@
 """Plans, the results of jobs that make them."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
 from sqlalchemy import Connection
 
-from app.store import results
+from app.ids import is_id
+from app.store import jobs, results
 from app.store.job import Job
 from app.store.packed import unzip
 
@@ -31,7 +32,6 @@ class StoredPlan(Job):
 
 
 def plan_of(job: Job, content: Sequence[bytes]) -> StoredPlan:
-    """What a job that has ended made, as it is stored."""
     document, table_columns, *session = content
     return StoredPlan(
         **vars(job),
@@ -39,6 +39,16 @@ def plan_of(job: Job, content: Sequence[bytes]) -> StoredPlan:
         table_columns=table_columns,
         session_document=b"".join(map(unzip, session)),
     )
+
+
+def find(
+    connection: Connection, plan_id: str, kinds: Collection[str]
+) -> tuple[Job | None, StoredPlan | None, bytes]:
+    """A job of these kinds by what may be its id, the plan that it made, and the plan's request."""
+    job = jobs.get(connection, plan_id) if is_id(plan_id) else None
+    if job is None or job.kind not in kinds:
+        return None, None, b""
+    return job, get(connection, job), jobs.request_of(connection, plan_id) or b""
 
 
 def get(connection: Connection, job: Job) -> StoredPlan | None:

@@ -135,6 +135,13 @@ def test_a_plan_right_after_one_at_rest_begins_at_its_end(client):
     assert second["table"]["alpha_deg"][0] == pytest.approx(first["table"]["alpha_deg"][-1])
 
 
+def test_flights_have_no_end_to_go_on_after(client):
+    first = ok(post(client, request()))
+    flights = client.post(f"/v1/plans/{first['id']}/flights", json={"runs": 2}).json()
+    problem = post(client, request({"after": flights["id"]})).json()
+    assert (problem["status"], problem["field"]) == (422, "initial_state.after"), problem
+
+
 def test_a_start_before_the_end_of_the_plan_is_refused(client):
     first = ok(post(client, request()))
     problem = post(client, request({"after": first["id"]})).json()

@@ -3,13 +3,12 @@
 import json
 from typing import Any
 
-from app.ids import is_id
 from app.jobs.kinds import PLANS
 from app.jobs.refusals import Conflict
 from app.requests.json_reader import json_document
 from app.requests.plain_text import require_plain
 from app.requests.plan import read_plan_request
-from app.store import jobs, plans
+from app.store import plans
 from app.store.database import Database
 from app.store.packed import unpack
 from app.work.plan import stored_plan
@@ -100,15 +99,13 @@ def _carry_levels(resources: Any, levels: dict[str, float]) -> bool:  # noqa: AN
 def _plan_of(database: Database, plan_id: str) -> tuple[FlightPlan, dict[str, float]]:
     """One that may be flown, and what its resources hold in the end; raises KeptUnreadable."""
     with database.reading() as connection:
-        job = jobs.get(connection, plan_id) if is_id(plan_id) else None
-        plan = plans.get(connection, job) if job is not None else None
-        request = jobs.request_of(connection, plan_id) if plan is not None else None
-    if job is None or job.kind not in PLANS:
+        job, plan, request = plans.find(connection, plan_id, PLANS)
+    if job is None:
         raise InvalidInput(
             f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and motion",
             field=_FIELD,
         )
-    if plan is None or request is None or plan.state != "done":
+    if plan is None or plan.state != "done":
         raise Conflict(
             f"there is no end of the plan to go on from: its state is {job.state}", field=_FIELD
         )

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
-from sqlalchemy import Connection
 
 from app.answers.members import provenance
 from app.answers.telemetry import ComparisonResponse
@@ -25,13 +24,12 @@ from app.http.negotiation import (
 )
 from app.http.openapi.schema import form_body_of, json_body_of, schema_of
 from app.http.routes.parameters import TableQuery, read_query, with_formats
-from app.ids import is_id
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLANS
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
 from app.requests.telemetry import COMPARISON_READER
-from app.store import jobs, plans
+from app.store import plans
 from app.store.plans import StoredPlan
 from app.work.telemetry import FILES, SentTelemetry, compare_stored, read_sent
 from planner.base.errors import InvalidInput
@@ -146,19 +144,15 @@ async def post_comparison(
 
 
 async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
-    def reading(connection: Connection) -> tuple[str | None, bytes | None, StoredPlan | None]:
-        job = jobs.get(connection, plan_id) if is_id(plan_id) else None
-        if job is None or job.kind not in PLANS:
-            return None, None, None
-        return job.state, jobs.request_of(connection, plan_id), plans.get(connection, job)
-
-    state, plan_request, plan = await read(request, reading)
-    if state is None:
+    job, plan, plan_request = await read(
+        request, lambda connection: plans.find(connection, plan_id, PLANS)
+    )
+    if job is None:
         raise InvalidInput(
             f"there is no plan {plan_id[:80]!r}; GET /v1/plans lists them", field="plan"
         )
-    if plan is None or plan_request is None:
+    if plan is None:
         raise Conflict(
-            f"there is no table to compare with: the plan's state is {state}", field="plan"
+            f"there is no table to compare with: the plan's state is {job.state}", field="plan"
         )
     return plan_request, plan
