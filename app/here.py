@@ -358,7 +358,7 @@ def _comparison(desk: Desk, work: LocalAsk) -> bytes:
     sent, found = _compare(desk, work.body, *work.files)
     if format_name == "json":
         origin = provenance(now_utc, work.body, *work.files)
-        return answer_json(found, sent.request, sent.request.plan, origin)
+        return answer_json(found, sent.request, origin)
     if format_name in FILES:
         return FILES[format_name].write(found, now_utc)
     return draw_comparison(found, format_name, now_utc)
@@ -376,7 +376,7 @@ def _compare(desk: Desk, body: bytes, *csv: bytes) -> "tuple[SentTelemetry, Comp
 
 
 def _names(kind: str, _: Desk, work: LocalAsk) -> bytes:
-    from app.answers.names import KnownPlaces, KnownStars, platform_list
+    from app.answers.service import KnownPlaces, KnownStars, platform_list
     from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
     query = work.ask.query

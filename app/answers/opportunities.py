@@ -1,6 +1,9 @@
-"""The answer to a search for windows."""
+"""The answer to a search for windows, in JSON or as GeoJSON (RFC 7946), a Feature each."""
 
 from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
 from planner.base.answer_members import Count
@@ -49,3 +52,17 @@ class OpportunitiesResponse(OpportunitiesHead):
     reasons: list[Unseen] = field(default_factory=not_included)
     windows: list[WindowOut]
     next: Count | None
+
+
+class FeatureCollection(BaseModel):
+    """GeoJSON: a Feature a window, a point or the request's own geometry, null in space.
+
+    features: `properties` hold `target`, `datetime` (rise and set with a slash between, as STAC
+    and STAPI have it), rise, set, session, the view at the closest approach, azimuths, local solar
+    time and the Sun.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    type: str = Field(json_schema_extra={"const": "FeatureCollection"})
+    features: list[dict[str, Any]]

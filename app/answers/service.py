@@ -1,9 +1,17 @@
-"""The state of the service, and what was done with it, as answered."""
+"""The state of the service, what was done with it, and what a request can name, as answered."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from app.store.audit import AuditEntry
+from planner.world.platforms import (
+    BODIES,
+    PLATFORMS,
+    BodyPlatform,
+    PlatformDefinition,
+    definition_of,
+)
+from planner.world.targets.autocomplete import KnownPlace, KnownStar
 
 State = Literal["ok", "degraded", "failed"]
 
@@ -54,3 +62,37 @@ class AuditLog:
     """
 
     entries: list[AuditEntry]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlatformList:
+    """Every registered platform, written as a request may write out its own.
+
+    platforms: all there are, two-axis ones first.
+    """
+
+    platforms: list[PlatformDefinition | BodyPlatform]
+
+
+def platform_list() -> PlatformList:
+    return PlatformList(platforms=[*map(definition_of, PLATFORMS.values()), *BODIES.values()])
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownPlaces:
+    """Places whose names begin so.
+
+    places: the most populous first; of those of another name, a twentieth of the people counts.
+    """
+
+    places: list[KnownPlace]
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownStars:
+    """Stars whose names begin so.
+
+    stars: the brightest first.
+    """
+
+    stars: list[KnownStar]

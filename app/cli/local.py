@@ -101,10 +101,9 @@ class _CommandsDesk(Desk):
 
 def choose_here(body: bytes) -> Result:
     """A campaign, of carriers with much to find on all processors, each in a child."""
-    from app.jobs.executors import Task, run_here
     from app.jobs.kinds import CAMPAIGN, CARRIERS
     from app.jobs.shares import Places, Sharing
-    from app.jobs.worker_process import Stop
+    from app.jobs.worker_process import Stop, Task, run_here
     from app.requests.campaign import read_campaign_request
     from app.work.campaign import carriers_apart, choose
 

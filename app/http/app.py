@@ -4,6 +4,7 @@ import asyncio
 import os
 from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import asynccontextmanager, closing, contextmanager
+from itertools import chain
 from threading import Lock
 from typing import Any
 
@@ -40,8 +41,7 @@ from app.http.routes import (
 )
 from app.ids import JobState
 from app.jobs.dispatcher import Dispatcher
-from app.jobs.executors import RunTask, run_here
-from app.jobs.worker_process import spare_children, start_server
+from app.jobs.worker_process import RunTask, run_here, spare_children, start_server
 from app.settings import Settings, settings_of_environment
 from app.store import jobs
 from app.store.database import Database, open_database
@@ -120,10 +120,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.solves = app.state.children
     if settings.dask_scheduler:
         app.state.solves = anyio.CapacityLimiter(settings.workers)
-    for router in (*routers, pages.router):
+    for router in routers:
         app.include_router(router)
-    pages.serve_files(app)
-    pages.serve_page(app)
+    pages.serve(app)
     errors.install(app)
     _guard_and_watch(app, settings)
     _describe(app)
@@ -131,18 +130,19 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
 
 def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
-    app.state.metrics = Metrics()
-    app.state.readiness = Readiness(
+    state = app.state
+    state.metrics = Metrics()
+    state.readiness = Readiness(
         {
-            "database": lambda: database_takes_writes(app.state.database),
+            "database": lambda: database_takes_writes(state.database),
             "solver": solver_answers,
             "earth_orientation": earth_orientation_covers_now,
         }
     )
     access = Access(
         KeyLookup(
-            lambda secret: _database(app).answer(KeyStore(_database(app)).find, secret),
-            lambda: _database(app).answer(KeyStore(_database(app)).good_digests),
+            lambda secret: state.database.answer(KeyStore(state.database).find, secret),
+            lambda: state.database.answer(KeyStore(state.database).good_digests),
         ),
         require_keys=settings.require_keys,
         hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
@@ -168,11 +168,6 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
             allow_headers=_HEADERS_TAKEN,
             expose_headers=_HEADERS_TO_READ,
         )
-
-
-def _database(app: FastAPI) -> Database:
-    database: Database = app.state.database
-    return database
 
 
 @asynccontextmanager
@@ -229,20 +224,19 @@ def _running_tasks(settings: Settings) -> Iterator[RunTask]:
 def _describe(app: FastAPI) -> None:
     generate = app.openapi
     one_at_a_time = Lock()  # who asks meanwhile must not get it half made
+    told = [
+        (one.response_model, *(it.get("model") for it in one.responses.values()))
+        for one in _routes()
+    ]
+    answers = [*chain.from_iterable(told)]
 
     def openapi() -> dict[str, Any]:
         with one_at_a_time:
             if app.openapi_schema is None:
-                app.openapi_schema = complete(generate(), _answers())
+                app.openapi_schema = complete(generate(), answers)
             return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's documented way
-
-
-def _answers() -> Iterator[object]:
-    for route in _routes():
-        yield route.response_model
-        yield from (answer.get("model") for answer in route.responses.values())
 
 
 def _routes(routers: Iterable[APIRouter] = _OF_API) -> Iterator[APIRoute]:

@@ -16,8 +16,7 @@ from app.answers.members import ProvenanceOut, provenance
 from app.http.negotiation import JSON
 from app.http.problems import service_stops
 from app.jobs.child import Bounds
-from app.jobs.executors import Task
-from app.jobs.worker_process import Stop, Stopped, run_in_worker
+from app.jobs.worker_process import Stop, Stopped, Task, run_in_worker
 from app.store.database import Database
 
 T = TypeVar("T")
@@ -26,9 +25,14 @@ T = TypeVar("T")
 EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 
 
+def database_of(request: Request) -> Database:
+    database: Database = request.app.state.database
+    return database
+
+
 async def read(request: Request, reading: Callable[[Connection], T]) -> T:
     """What `reading` returns in one transaction, in a thread."""
-    database: Database = request.app.state.database
+    database = database_of(request)
 
     def in_transaction() -> T:
         with database.reading() as connection:
@@ -72,10 +76,9 @@ async def where_solved(request: Request, task: Task) -> Any:  # noqa: ANN401 (th
 async def _wait(request: Request, run: Callable[..., T], limiter: CapacityLimiter) -> T:
     stop = Stop()
     stopping: asyncio.Event = request.app.state.stopping
-    watches = [
-        asyncio.create_task(_stop_when_gone(request, stop)),
-        asyncio.create_task(_stop_with_service(stopping, stop)),
-    ]
+    watches = [asyncio.create_task(one) for one in (_disconnected(request), stopping.wait())]
+    for watch in watches:
+        watch.add_done_callback(lambda done: None if done.cancelled() else stop.request())
     try:
         return await anyio.to_thread.run_sync(lambda: run(stop=stop), limiter=limiter)
     except Stopped:
@@ -85,12 +88,6 @@ async def _wait(request: Request, run: Callable[..., T], limiter: CapacityLimite
             watch.cancel()
 
 
-async def _stop_when_gone(request: Request, stop: Stop) -> None:
+async def _disconnected(request: Request) -> None:
     while (await request.receive())["type"] != "http.disconnect":
         pass
-    stop.request()
-
-
-async def _stop_with_service(stopping: asyncio.Event, stop: Stop) -> None:
-    await stopping.wait()
-    stop.request()

@@ -4,7 +4,7 @@ import re
 import sys
 from collections.abc import AsyncGenerator, Mapping, Sequence
 from http import HTTPStatus
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fastapi import Depends, HTTPException, Request
 from starlette.datastructures import UploadFile
@@ -18,12 +18,16 @@ EVENT_STREAM = "text/event-stream"
 _NAME_MAX = 60
 
 
-async def _accepts_json(request: Request) -> None:
-    preferred_type(request, (JSON,))
+def answers(*media_types: str) -> tuple[Any]:
+    """Dependencies of a route: it refuses with 406 a client that wants something else."""
+
+    async def accepted(request: Request) -> None:
+        preferred_type(request, media_types)
+
+    return (Depends(accepted),)
 
 
-# Of a route: it refuses with 406 a client that wants something else than JSON.
-ONLY_JSON = (Depends(_accepts_json),)
+ONLY_JSON = answers(JSON)
 
 
 def preferred_type(request: Request, offered: tuple[str, ...]) -> str:
@@ -85,7 +89,6 @@ def saved_as(name: str, otherwise: str, suffix: str, shown_as: str | None = None
 
 
 def media_type_of(request: Request) -> str:
-    """The media type of its body; empty without."""
     return request.headers.get("content-type", "").split(";")[0].strip().lower()
 
 

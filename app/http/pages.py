@@ -59,8 +59,10 @@ _DOCUMENTATION = """\
 <script src="page-files/{start}"></script>"""
 
 
-def serve_page(app: FastAPI) -> None:
-    """Its rooms, each of which is the one document, and what that loads."""
+def serve(app: FastAPI) -> None:
+    """The API's pages, the planner's rooms, each the one document, and what both load."""
+    app.include_router(router)
+    app.mount(PAGE_FILES.rstrip("/"), StaticFiles(directory=_OURS), name="page-files")
     app.mount(BUILT_FILES.rstrip("/"), _Files(directory=BUILT / "assets", check_dir=False))
     app.add_route("/", _root)
     for room in sorted(PAGE_ROOMS):
@@ -80,7 +82,6 @@ def _root(request: Request) -> Response:
 
 
 def is_built() -> bool:
-    """Whether there is more than the schema to look at."""
     return (BUILT / "index.html").exists()
 
 
@@ -129,11 +130,6 @@ router = APIRouter(include_in_schema=False)
 _OURS = Path(__file__).parent / "static"
 # Swagger UI and ReDoc, which `make web` puts among the planner's page's files.
 _PUBLISHED = f"{BUILT_FILES.lstrip('/')}documentation/"
-
-
-def serve_files(app: FastAPI) -> None:
-    """What the pages load beside Swagger UI and ReDoc."""
-    app.mount(PAGE_FILES.rstrip("/"), StaticFiles(directory=_OURS), name="page-files")
 
 
 @router.get("/openapi.json")

@@ -23,6 +23,7 @@ from planner.base.errors import InvalidRequest, Refusal
 
 PROBLEM_JSON = "application/problem+json"
 RETRY_AFTER_S = 5  # said with every 503 that may pass
+PROBLEM_TYPE = "problem_type"  # of the problem a request was answered with, in its state
 
 
 def install(app: FastAPI) -> None:
@@ -30,12 +31,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Refusal, refusal_answer)
     app.add_exception_handler(HTTPException, http_error)
     app.add_exception_handler(RequestValidationError, _bad_parameter)
-
-
-def problem_type(scope: Mapping[str, Any]) -> str | None:
-    """The type of the problem a request was answered with, None for a good answer."""
-    kind: str | None = scope["state"].get(_PROBLEM_TYPE)
-    return kind
 
 
 def refusal_answer(request: Request, refusal: Exception) -> Response:
@@ -99,7 +94,7 @@ def problem_answer(
     request: Request, problem: Mapping[str, Any], headers: Mapping[str, str] | None = None
 ) -> Response:
     members = {**problem, "instance": instance(request.scope)}
-    request.scope["state"][_PROBLEM_TYPE] = members["type"]
+    request.scope["state"][PROBLEM_TYPE] = members["type"]
     status = HTTPStatus(members["status"])
     if status is HTTPStatus.SERVICE_UNAVAILABLE and members["type"] != _FOR_GOOD:
         headers = {"Retry-After": str(RETRY_AFTER_S), **(headers or {})}
@@ -111,5 +106,4 @@ def problem_answer(
 
 _AN_ID = re.compile(r"/[0-9a-f-]{8,}(?=/|$)")
 _ORDER = tuple(Problem.__dataclass_fields__)
-_PROBLEM_TYPE = "problem_type"
 _FOR_GOOD = TYPE_PREFIX + StoreDamaged.slug

@@ -5,7 +5,6 @@ carries the id and the security headers.
 """
 
 import time
-from typing import Any
 
 import structlog
 from fastapi import Request
@@ -16,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.answers.problem import bug, problem_of
 from app.http.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
-from app.http.problems import problem_answer, problem_type
+from app.http.problems import PROBLEM_TYPE, problem_answer
 from app.log.logs import log
 from app.store.unavailable import StoreUnavailable
 
@@ -59,15 +58,17 @@ class RequestLog:
             except ClientDisconnect:
                 pass
             except Exception as error:  # the log gets all of it, the client none
-                problem = _fault(error)
+                if not isinstance(error, StoreUnavailable):
+                    log.error("bug", exc_info=error)
                 if status:  # too late for another: break off, so that none takes it for whole
                     raise
+                problem = problem_of(error) if isinstance(error, StoreUnavailable) else bug()
                 await problem_answer(Request(scope), problem)(scope, receive, send_with_headers)
             finally:
                 self._report(scope, status or CLIENT_GONE, time.perf_counter() - began_s)
 
     def _report(self, scope: Scope, status: int, took_s: float) -> None:
-        problem = problem_type(scope)
+        problem: str | None = scope["state"].get(PROBLEM_TYPE)
         route = getattr(scope.get("route"), "path", UNMATCHED)
         self._metrics.count_answer(
             method=scope["method"], route=route, status=status, took_s=took_s, problem=problem
@@ -83,14 +84,6 @@ class RequestLog:
             key_id=scope["state"].get("key_id"),
             problem=problem,
         )
-
-
-def _fault(error: Exception) -> dict[str, Any]:
-    """The database's problem, or ours, which is logged."""
-    if isinstance(error, StoreUnavailable):
-        return problem_of(error)
-    log.error("bug", exc_info=error)
-    return bug()
 
 
 def _shown_path(scope: Scope) -> str:

@@ -72,11 +72,9 @@ def server(host: str, port: int, settings: Settings) -> "_Server":
 
     class Protocol(GuardedProtocol):
         by_h11 = uvicorns.http_protocol_class
-        connections_max = settings.max_connections
-        head_timeout_s = settings.head_timeout_s
-        write_timeout_s = settings.write_timeout_s
-        unsent_max_bytes = settings.max_unsent_bytes
         held: ClassVar[set[GuardedProtocol]] = set()
+
+    Protocol.settings = settings
 
     app = create_app(settings)
     service = _Server(

@@ -8,8 +8,8 @@ import json
 import re
 import time
 from collections.abc import AsyncIterator, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import anyio
 from fastapi import Request
@@ -34,29 +34,23 @@ _RETRY_MS = 2000  # before a browser asks again where a connection broke
 _WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Patience:
+class Patience(NamedTuple):
     """How long to wait, and the headers that tell which wish of the client's was followed."""
 
     wait_s: float
-    headers: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def answers_at_once(self) -> bool:
-        """Whether the answer is 202 wherever the work is by then."""
-        return self.wait_s == 0
+    headers: Mapping[str, str] = MappingProxyType({})
 
 
 def patience(prefer: str | None, default_s: float) -> Patience:
     """Of a Prefer header; what isn't understood in it is ignored, as the RFC asks."""
     wishes = [wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")]
     if "respond-async" in wishes:
-        return Patience(wait_s=0, headers={"Preference-Applied": "respond-async"})
+        return Patience(0.0, {"Preference-Applied": "respond-async"})
     for wish in wishes:
         if found := _WAIT.fullmatch(wish):
             seconds = min(int(found[1]), WAIT_MAX_S)
-            return Patience(wait_s=seconds, headers={"Preference-Applied": f"wait={seconds}"})
-    return Patience(wait_s=default_s)
+            return Patience(seconds, {"Preference-Applied": f"wait={seconds}"})
+    return Patience(default_s)
 
 
 async def wait_for_end(request: Request, job_id: str, wait_s: float) -> StoredPlan | None:
@@ -115,7 +109,6 @@ async def stream_events(request: Request, job_id: str, seq: int) -> AsyncIterato
 
 
 async def last_seq(request: Request, job_id: str) -> int:
-    """Of what has happened until now."""
     found, _ = await _after(request, job_id, 0)
     return found[-1].seq if found else 0
 

@@ -24,12 +24,13 @@ from distributed.comm.addressing import get_local_address_for
 from distributed.comm.core import CommClosedError
 from tornado.ioloop import IOLoop
 
-from app.jobs.executors import Task, run_here
 from app.jobs.worker_process import (
     ChildDied,
     ChildFailed,
     Stop,
     Stopped,
+    Task,
+    run_here,
     spare_children,
     start_server,
 )
@@ -88,20 +89,19 @@ def work_for(scheduler: str, solves: int) -> None:
 
 
 async def _work_for(scheduler: str, solves: int) -> None:
-    working = asyncio.create_task(_work_whenever_connected(scheduler, solves))
+    async def work() -> None:
+        while True:
+            try:
+                await _work_until_disconnected(scheduler, solves)
+            except (OSError, TimeoutError) as error:
+                log.warning("the scheduler doesn't answer", scheduler=scheduler, error=error)
+                await asyncio.sleep(_PAUSE_S)
+
+    working = asyncio.create_task(work())
     for number in (signal.SIGTERM, signal.SIGINT):  # also while it waits for the scheduler
         asyncio.get_running_loop().add_signal_handler(number, working.cancel)
     with contextlib.suppress(asyncio.CancelledError):
         await working
-
-
-async def _work_whenever_connected(scheduler: str, solves: int) -> None:
-    while True:
-        try:
-            await _work_until_disconnected(scheduler, solves)
-        except (OSError, TimeoutError) as error:
-            log.warning("the scheduler doesn't answer", scheduler=scheduler, error=error)
-            await asyncio.sleep(_PAUSE_S)
 
 
 class _Worker(Worker):
@@ -205,18 +205,16 @@ class DaskExecutor:
                     loop=self._loop,
                 )
                 self._client.subscribe_topic(PROGRESS_TOPIC, self._pass_progress_on)
-                self._warn_without_workers(self._client)
+                workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
+                if not any(SLOT in worker["resources"] for worker in workers):
+                    text = "no worker of this version is connected; work waits for one"
+                    log.warning(text, slot=SLOT)
             return self._client
 
     def _disconnect(self) -> None:
         if self._client is not None:
             self._client.close()
             self._client = None
-
-    def _warn_without_workers(self, client: Client) -> None:
-        workers = client.scheduler_info(n_workers=-1)["workers"].values()
-        if not any(SLOT in worker["resources"] for worker in workers):
-            log.warning("no worker of this version is connected; work waits for one", slot=SLOT)
 
     def _pass_progress_on(self, event: tuple[object, dict[str, Any]]) -> None:
         _, content = event

@@ -19,12 +19,11 @@ from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from app.ids import JobState
 from app.jobs.child import Bounds
-from app.jobs.executors import RunTask, Task
 from app.jobs.job_completion import give_up, settle, take_up_again
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
 from app.jobs.shares import Places, Sharing
-from app.jobs.worker_process import Stop
+from app.jobs.worker_process import RunTask, Stop, Task
 from app.log.logs import log
 from app.settings import Settings
 from app.store import audit, events, jobs
@@ -350,12 +349,8 @@ class Dispatcher:
             if claimed is None:
                 return
             job = claimed.job
-            running = _Running(
-                job_id=job.id,
-                kind=JOB_KINDS[job.kind],
-                parent_id=job.parent_id,
-                token=claimed.token,
-            )
+            kind, token = JOB_KINDS[job.kind], claimed.token
+            running = _Running(job_id=job.id, kind=kind, parent_id=job.parent_id, token=token)
             self._follow(running, self._work(running, job.deadline_s, claimed.request))
 
     def _is_work_waiting(self) -> bool:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from threading import Lock, Semaphore
 from typing import Any
 
-from app.jobs.executors import RunTask, Task
-from app.jobs.worker_process import ChildDied, Stop
+from app.jobs.worker_process import ChildDied, RunTask, Stop, Task
 from app.log.logs import log
 from app.work.progress import OnProgress, Progress
 

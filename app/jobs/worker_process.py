@@ -16,9 +16,10 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from multiprocessing import connection, forkserver
 from threading import Lock, Timer
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from app.jobs.child import OVERTIME, Bounds, Message, TooDemanding, work_until_closed
 from app.log.logs import log
@@ -313,3 +314,30 @@ def _wait_for_word(child: _Child) -> None:
         before_s, used_s = used_s, child.processor_s()
         if used_s - before_s < _STILL_S:
             raise ChildDied(f"it said and did nothing for {_SILENT_S:g} s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """Work for a child: `work(*arguments)` within bounds; all of it goes through pickle."""
+
+    job_id: str
+    bounds: Bounds
+    work: Callable[..., Any]
+    arguments: tuple[Any, ...] = field(repr=False)
+
+
+class RunTask(Protocol):
+    """Does a task in a worker process, here or elsewhere, while the caller waits.
+
+    Ends as `run_in_worker` does: with the work's result, a Refusal, Stopped, ChildFailed or
+    ChildDied.  Any other error is taken for a loss of the machine that was at it, and the task is
+    given to another.  `stop` ends it wherever it runs, `on_progress` is called in any thread.
+    """
+
+    def __call__(self, task: Task, stop: Stop, on_progress: OnProgress | None = None) -> Any: ...  # noqa: ANN401 (the work's)
+
+
+def run_here(task: Task, stop: Stop, on_progress: OnProgress | None = None) -> Any:  # noqa: ANN401 (the work's)
+    return run_in_worker(
+        task.bounds, task.work, *task.arguments, stop=stop, on_progress=on_progress
+    )

@@ -1,8 +1,7 @@
 """A child's work on telemetry: it is read and compared with a stored plan."""
 
-from dataclasses import dataclass
 from datetime import datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from app.answers.members import ProvenanceOut
 from app.answers.telemetry import comparison_json
@@ -30,8 +29,7 @@ FILES: dict[str, "Exporter[Comparison]"] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SentTelemetry:
+class SentTelemetry(NamedTuple):
     """What was asked, and its samples: of JSON, or the bytes of a CSV file."""
 
     request: ComparisonRequest
@@ -41,9 +39,8 @@ class SentTelemetry:
 def read_sent(body: bytes, *csv: bytes) -> SentTelemetry:
     """The request, its samples in it or beside it in a CSV file; raises InvalidRequest."""
     if csv:
-        return SentTelemetry(request=read_comparison_head(body), samples=csv[0])
-    request, samples = read_comparison_request(body)
-    return SentTelemetry(request=request, samples=samples)
+        return SentTelemetry(read_comparison_head(body), csv[0])
+    return SentTelemetry(*read_comparison_request(body))
 
 
 def compare_stored(
@@ -58,7 +55,7 @@ def compare_stored(
     comparison = compare_sent(stored_plan(plan_request, unpack(table_columns)), sent)
     if format_name is not None:
         return FILES[format_name].write(comparison, created_utc)
-    return answer_json(comparison, sent.request, sent.request.plan, provenance)
+    return answer_json(comparison, sent.request, provenance)
 
 
 def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> "Comparison":
@@ -68,13 +65,13 @@ def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> "Comparison":
 
 
 def answer_json(
-    comparison: "Comparison", request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
+    comparison: "Comparison", request: ComparisonRequest, provenance: ProvenanceOut
 ) -> bytes:
     """With what was measured beside the axes, and the platform found; raises Refusals."""
     sensors = comparison.sensors
     pointing = sensors.pointing(comparison, request.corrections, request.image_offsets)
     found = sensors.found(comparison, request.identify)
-    return comparison_json(comparison, pointing, found, plan_id, provenance)
+    return comparison_json(comparison, pointing, found, request.plan, provenance)
 
 
 def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:

@@ -15,11 +15,10 @@ from waiting import alive, eventually
 
 from app.answers.campaign import campaign_json
 from app.ids import new_id
-from app.jobs.executors import Task, run_here
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
 from app.jobs.shares import Places, Sharing
-from app.jobs.worker_process import ChildDied, Stop, Stopped
+from app.jobs.worker_process import ChildDied, Stop, Stopped, Task, run_here
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, results
 from app.store.jobs import NewJob

@@ -25,10 +25,9 @@ from app.jobs import dask_executor
 from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import SLOT, DaskExecutor
-from app.jobs.executors import Task
 from app.jobs.kinds import CAMPAIGN, RUNS
 from app.jobs.shares import Places, Sharing
-from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped
+from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped, Task
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.work.campaign import carriers_apart, choose
 from app.work.flights import PlanToFly, fly_part

@@ -14,9 +14,9 @@ from waiting import PATIENCE_S, alive, eventually
 
 from app.jobs import dispatcher as dispatcher_module
 from app.jobs.dispatcher import Dispatcher
-from app.jobs.executors import run_here
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import QueueFull
+from app.jobs.worker_process import run_here
 from app.settings import Settings
 from app.store import audit, events, jobs, results
 from app.store.database import Database

@@ -48,7 +48,8 @@ def require_valid_head(scope: Scope) -> None:
             HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE,
             f"the header fields of a request may have {HEAD_BYTES_MAX} bytes",
         )
-    for part, most in ((_path(scope), PATH_BYTES_MAX), (scope["query_string"], QUERY_BYTES_MAX)):
+    path = scope.get("raw_path") or scope["path"].encode()
+    for part, most in ((path, PATH_BYTES_MAX), (scope["query_string"], QUERY_BYTES_MAX)):
         if len(part) > most:
             raise HTTPException(
                 HTTPStatus.REQUEST_URI_TOO_LONG,
@@ -58,11 +59,6 @@ def require_valid_head(scope: Scope) -> None:
     if "\0" in scope["path"]:
         raise _bad("the address holds a null byte; remove %00")
     _require_one_meaning(headers)
-
-
-def _path(scope: Scope) -> bytes:
-    raw: bytes | None = scope.get("raw_path")
-    return raw or scope["path"].encode()
 
 
 def _require_one_meaning(headers: list[tuple[bytes, bytes]]) -> None:
@@ -120,11 +116,16 @@ class Admission:
 
         try:
             require_valid_head(scope)
-            await self._let_others_go_first(scope)
+            if scope["path"] not in PROBES and "authorization" not in Headers(scope=scope):
+                async with (
+                    self._line
+                ):  # one a turn of the loop: a crowd costs those with keys little
+                    await asyncio.sleep(0)
             with await self._place(scope):
                 await self._app(scope, body.receive, begin_and_send)
         except HTTPException as refusal:
-            if _is_too_much_without_key(scope, refusal):
+            too_much = refusal.status_code == HTTPStatus.TOO_MANY_REQUESTS
+            if too_much and scope["state"].get("key_id") is None:
                 # What it has sent on ahead would be refused too, one by one, before others.
                 refusal.headers = {**(refusal.headers or {}), "Connection": "close"}
             await http_error(Request(scope), refusal)(scope, receive, send)
@@ -136,12 +137,6 @@ class Admission:
         finally:
             body.release()
 
-    async def _let_others_go_first(self, scope: Scope) -> None:
-        """Without a key one may begin per turn of the loop: a crowd costs those with one little."""
-        if scope["path"] not in PROBES and "authorization" not in Headers(scope=scope):
-            async with self._line:
-                await asyncio.sleep(0)
-
     async def _place(self, scope: Scope) -> AbstractContextManager[None]:
         if scope["path"] in PROBES:  # an orchestrator has no key and must not be locked out
             return nullcontext()
@@ -152,16 +147,7 @@ class Admission:
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
         self._rate.charge(caller.name, per_minute)
         most = (key and key.concurrency) or settings.concurrency_per_key
-        if _is_event_stream(scope):
+        path: str = scope["path"]
+        if scope["method"] == "GET" and path.startswith("/v1/") and path.endswith("/events"):
             return self._streams.one_more(caller.name, math.ceil(most * STREAMS_SHARE))
         return self._at_once.one_more(caller.name, most)
-
-
-def _is_event_stream(scope: Scope) -> bool:
-    path: str = scope["path"]
-    return scope["method"] == "GET" and path.startswith("/v1/") and path.endswith("/events")
-
-
-def _is_too_much_without_key(scope: Scope, refusal: HTTPException) -> bool:
-    too_much = refusal.status_code == HTTPStatus.TOO_MANY_REQUESTS
-    return too_much and scope["state"].get("key_id") is None

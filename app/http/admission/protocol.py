@@ -6,20 +6,20 @@ answers, caps on connections and on what waits to be sent, and refusals as probl
 """
 
 import asyncio
-import json
 import socket
 import sys
-import uuid
 from http import HTTPStatus
 from typing import Any, ClassVar
 
 import h11
-from starlette.datastructures import MutableHeaders
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.http.admission.admission import HEAD_BYTES_MAX
-from app.http.headers import REQUEST_ID, harden
-from app.http.problems import PROBLEM_JSON, RETRY_AFTER_S
+from app.http.headers import REQUEST_ID, harden, remember_request_id, request_id_of
+from app.http.problems import http_error
+from app.settings import Settings
 
 # What the kernel holds back of an answer: little, so that we see a slow client read on.
 _UNSENT_IN_KERNEL_BYTES = 64 * 1024
@@ -35,16 +35,13 @@ _DETAILS = {
 
 
 class GuardedProtocol(asyncio.Protocol):
-    """One connection.  The settings of the class are set once, before the server starts.
+    """One connection.  What the class holds is set once, before the server starts.
 
     by_h11: uvicorn's own protocol, made with the arguments that it makes ours with.
     """
 
     by_h11: ClassVar[type[asyncio.Protocol]]
-    connections_max: ClassVar[int]
-    head_timeout_s: ClassVar[float]
-    write_timeout_s: ClassVar[float]
-    unsent_max_bytes: ClassVar[int]
+    settings: ClassVar[Settings]
     held: ClassVar[set["GuardedProtocol"]]
 
     def __init__(self, *, app_state: dict[str, Any], **kwargs: Any) -> None:  # noqa: ANN401
@@ -68,10 +65,12 @@ class GuardedProtocol(asyncio.Protocol):
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         transport.set_write_buffer_limits(high=0)  # so that we hear of anything that waits
-        _hold_little_back(transport.get_extra_info("socket"))
+        line: socket.socket = transport.get_extra_info("socket")
+        if line.family in (socket.AF_INET, socket.AF_INET6):
+            line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _UNSENT_IN_KERNEL_BYTES)
         self._inner.connection_made(_Transport(self, transport))
-        if len(self.held) >= self.connections_max:
-            detail = f"{self.connections_max} connections are served at a time; ask again later"
+        if len(self.held) >= (most := self.settings.max_connections):
+            detail = f"{most} connections are served at a time; ask again later"
             self.refuse(HTTPStatus.SERVICE_UNAVAILABLE, detail)
         else:
             self.held.add(self)
@@ -112,7 +111,7 @@ class GuardedProtocol(asyncio.Protocol):
     def _cut_slowest(self) -> None:
         """Answers may take up so much memory together; one that is alone may take more."""
         stuck = {one for one in self.held - {self} if one.unsent_bytes}
-        while stuck and sum(one.unsent_bytes for one in self.held) > self.unsent_max_bytes:
+        while stuck and sum(one.unsent_bytes for one in self.held) > self.settings.max_unsent_bytes:
             slowest = min(stuck, key=lambda one: one.stuck_since_s)
             stuck.remove(slowest)
             slowest._transport.abort()
@@ -136,23 +135,19 @@ class GuardedProtocol(asyncio.Protocol):
     def _watch_head(self) -> None:
         """The clock runs from the first wait for a head until it has come."""
         if self._deadline is None and not self._transport.is_closing():
-            self._deadline = self._loop.call_later(self.head_timeout_s, self._too_late)
+            within_s, late = self.settings.head_timeout_s, HTTPStatus.REQUEST_TIMEOUT
+            detail = f"the head of a request must come within {within_s:g} s"
+            self._deadline = self._loop.call_later(within_s, self.refuse, late, detail)
 
     def _stop_head_clock(self) -> None:
         if self._deadline is not None:
             self._deadline.cancel()
             self._deadline = None
 
-    def _too_late(self) -> None:
-        self.refuse(
-            HTTPStatus.REQUEST_TIMEOUT,
-            f"the head of a request must come within {self.head_timeout_s:g} s",
-        )
-
     def _watch_reading(self, unsent_bytes: int) -> None:
         """The clock runs as long as something waits, anew whenever some of it was taken."""
         self._write_deadline = self._loop.call_later(
-            self.write_timeout_s, self._look_at_reading, unsent_bytes
+            self.settings.write_timeout_s, self._look_at_reading, unsent_bytes
         )
 
     def _look_at_reading(self, unsent_bytes: int) -> None:
@@ -207,31 +202,13 @@ async def answer_guarded(app: ASGIApp, scope: Scope, receive: Receive, send: Sen
         await app(scope, receive, send)
 
 
-def _hold_little_back(connection: socket.socket) -> None:
-    if connection.family in (socket.AF_INET, socket.AF_INET6):
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _UNSENT_IN_KERNEL_BYTES)
-
-
 def _refusal(status: HTTPStatus, detail: str) -> bytes:
-    instance = uuid.uuid4()
-    problem = {
-        "type": "about:blank",
-        "title": status.phrase,
-        "status": status.value,
-        "detail": detail,
-        "instance": instance.urn,
-    }
-    body = json.dumps(problem).encode("ascii")
-    headers = MutableHeaders(
-        {
-            "Content-Type": PROBLEM_JSON,
-            "Content-Length": str(len(body)),
-            "Connection": "close",
-            REQUEST_ID: str(instance),
-        }
-    )
-    if status == HTTPStatus.SERVICE_UNAVAILABLE:
-        headers["Retry-After"] = str(RETRY_AFTER_S)
-    harden(headers)
+    request_id = request_id_of(None)
+    scope: Scope = {"type": "http", "state": {}}
+    remember_request_id(scope, request_id)
+    headers = {"Connection": "close", REQUEST_ID: request_id}
+    answer = http_error(Request(scope), HTTPException(status, detail, headers))
+    harden(answer.headers)
     first = f"HTTP/1.1 {status.value} {status.phrase}\r\n".encode("ascii")
-    return first + b"".join(b"%s: %s\r\n" % header for header in headers.raw) + b"\r\n" + body
+    told = b"".join(b"%s: %s\r\n" % header for header in answer.raw_headers)
+    return first + told + b"\r\n" + bytes(answer.body)

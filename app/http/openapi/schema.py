@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from app.answers.opportunities_geojson import FeatureCollection
+from app.answers.opportunities import FeatureCollection
 from app.answers.problem import Problem
 from app.http.admission.access import PROBES, scope_needed
 from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART

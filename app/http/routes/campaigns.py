@@ -13,7 +13,7 @@ from sqlalchemy import Connection
 from app.answers.campaign import CampaignDryRun, CampaignResponse, campaign_json
 from app.answers.job import list_class
 from app.answers.members import to_json
-from app.http.blocking import EXPORT_BOUNDS, in_child, read
+from app.http.blocking import EXPORT_BOUNDS, database_of, in_child, read
 from app.http.negotiation import JSON, ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.query import Parameters
@@ -27,7 +27,6 @@ from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.store import jobs, plans, results
-from app.store.database import Database
 from app.store.job import Job
 from app.store.packed import unzip
 from app.work.campaign import (
@@ -108,26 +107,19 @@ async def post_campaign(
     The answer is 202 at once unless `Prefer: wait` asks to wait.
     """
     require_both(query.revises, query.frozen_until)
-    if query.revises is not None:
-        body = await _revised(request, body, query.revises, query.frozen_until)
+    if query.revises is not None:  # written with the looks of the campaign that it revises
+        database = database_of(request)
+        await database.answer(RESOURCE.require_made, database, query.revises)
+        _, campaign = await _find_campaign(request, query.revises)
+        told = json.loads(campaign)
+        body = await anyio.to_thread.run_sync(revised, body, query.frozen_until, told)
     spec = await anyio.to_thread.run_sync(RESOURCE.requests.read, body)
     if query.dry_run:
         valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(to_json(valid), media_type=JSON)
-    database: Database = request.app.state.database
     accept = partial(RESOURCE.accept, request, spec, body, key, revises=query.revises)
-    job = await database.answer(accept)
+    job = await database_of(request).answer(accept)
     return await RESOURCE.answer_to_post(request, job, prefer, 0, _find_campaign)
-
-
-async def _revised(
-    request: Request, body: bytes, campaign_id: str, frozen_until: str | None
-) -> bytes:
-    """The request with the looks of the campaign that it revises."""
-    database: Database = request.app.state.database
-    await database.answer(RESOURCE.require_made, database, campaign_id)
-    _, answer = await _find_campaign(request, campaign_id)
-    return await anyio.to_thread.run_sync(revised, body, frozen_until, json.loads(answer))
 
 
 async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:

@@ -10,7 +10,7 @@ from sqlalchemy import Connection
 
 from app.answers.flights import FlightsResponse, flights_json
 from app.answers.job import list_class
-from app.http.blocking import read
+from app.http.blocking import database_of, read
 from app.http.negotiation import ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.routes.job_routes import JobResource
@@ -21,8 +21,7 @@ from app.jobs.kinds import FLIGHTS
 from app.jobs.refusals import Conflict
 from app.requests.examples import FLIGHTS_EXAMPLES
 from app.requests.flights import FLIGHTS_READER
-from app.store import jobs, plans, results
-from app.store.database import Database
+from app.store import plans, results
 from app.store.job import Job, Listing
 from app.store.jobs import NEEDS_ALL
 from app.work.flights import PlanToFly, unpacked_outcomes
@@ -98,8 +97,7 @@ async def post_flights(
     The errors of orbit, attitude, clock, Earth orientation and drives have the sigmas of the
     plan's pointing budget; the runs are shared among all processors.
     """
-    database: Database = request.app.state.database
-    job = await database.answer(_accept, request, plan_id, body, key)
+    job = await database_of(request).answer(_accept, request, plan_id, body, key)
     return await RESOURCE.answer_to_post(request, job, prefer, WAIT_S, _find_flights)
 
 
@@ -120,12 +118,10 @@ async def get_flights_of_plan(
 def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job:
     """The job, new or known by its key; raises 404, Conflict, KeyReused, QueueFull."""
     spec = RESOURCE.requests.read(body)
-    database: Database = request.app.state.database
-    with database.reading() as connection:
+    with database_of(request).reading() as connection:
         job = PLANS.job_of(connection, plan_id)
-        plan = plans.get(connection, job)
-        asked = jobs.request_of(connection, plan_id)
-    if plan is None or plan.state != "done" or asked is None:
+        _, plan, asked = plans.find(connection, plan_id, {job.kind})
+    if plan is None or plan.state != "done":
         raise Conflict(
             f"there is no verified table to fly: the plan's state is {job.state}; GET "
             f"{PLANS.path}/{plan_id} tells more"

@@ -15,7 +15,7 @@ from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json, list_json
-from app.http.blocking import read
+from app.http.blocking import database_of, read
 from app.http.negotiation import (
     EVENT_STREAM,
     JSON,
@@ -84,7 +84,6 @@ class JobResource:
         body: bytes,
         **members: Any,  # noqa: ANN401 (of NewJob)
     ) -> NewJob:
-        """A job for this request, which was read as `spec`."""
         return NewJob(
             id=new_id(),
             kind=self.kind,
@@ -106,7 +105,7 @@ class JobResource:
         """The job for a request, new or known by its key; raises Conflict, KeyReused, QueueFull."""
         dispatcher: Dispatcher = request.app.state.dispatcher
         if members.get("revises") is not None:
-            self.require_made(request.app.state.database, members["revises"])
+            self.require_made(database_of(request), members["revises"])
         asked_by = "\0".join((_key_id_of(request) or "", self.kind, key or ""))
         digest = None if key is None else hashlib.sha256(asked_by.encode()).hexdigest()
         members |= {"deadline_s": self.bounds(request).deadline_s, "idempotency": digest}
@@ -156,7 +155,6 @@ class JobResource:
         return unmade or Response(answer, HTTPStatus.CREATED, headers, JSON)
 
     def headers_of_post(self, job: Job, waits: Patience) -> dict[str, str]:
-        """Where the job's result will be, and which wish was followed."""
         location = f"{self.path}/{job.id}"
         return {"Location": location, "Vary": "Accept, Prefer", **waits.headers}
 
@@ -282,9 +280,8 @@ class JobResource:
             job = await self.find_job(request, job_id)
             if not job.is_open:
                 return await self.answer_removal(request, job)
-            dispatcher: Dispatcher = request.app.state.dispatcher
-            database: Database = request.app.state.database
-            await database.answer(dispatcher.cancel, job_id, _key_id_of(request))
+            cancel = request.app.state.dispatcher.cancel
+            await database_of(request).answer(cancel, job_id, _key_id_of(request))
             await wait_for_end(request, job_id, CANCEL_WAIT_S)
             job = await self.find_job(request, job_id)
             status = HTTPStatus.ACCEPTED if job.is_open else HTTPStatus.OK
@@ -292,7 +289,7 @@ class JobResource:
 
     async def answer_removal(self, request: Request, job: Job) -> Response:
         """204, once nothing but the audit log remembers a job that has ended."""
-        database: Database = request.app.state.database
+        database = database_of(request)
         key_id, action = _key_id_of(request), f"{job.kind}.delete"
 
         def remove() -> bool:
@@ -350,7 +347,7 @@ def answer_unmade(
 
     Raises Conflict where it was cancelled while the client waited.
     """
-    if job.is_open or waits.answers_at_once:  # though it may be done by now
+    if job.is_open or waits.wait_s == 0:  # then though it may be done by now
         return Response(answer, HTTPStatus.ACCEPTED, headers, JSON)
     if job.problem is not None:
         return problem_answer(request, job.problem, headers)

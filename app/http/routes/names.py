@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import Field
 
-from app.answers.names import KnownPlaces, KnownStars, PlatformList, platform_list
+from app.answers.service import KnownPlaces, KnownStars, PlatformList, platform_list
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
 from planner.world.targets.autocomplete import places_beginning, stars_beginning

@@ -15,7 +15,7 @@ from app.answers.job import JobResponse, job_json, list_class
 from app.answers.members import PlanHead, ProvenanceOut, whole_answer
 from app.answers.plan import TableAlone
 from app.answers.view import PlanViewResponse
-from app.http.blocking import EXPORT_BOUNDS, answer_in_child, in_child, read
+from app.http.blocking import EXPORT_BOUNDS, answer_in_child, database_of, in_child, read
 from app.http.negotiation import (
     JSON,
     ONLY_JSON,
@@ -142,7 +142,7 @@ class PlanResource(JobResource):
             prefer: Prefer = None,
         ) -> Response:
             format_name = _format(request, query)
-            database: Database = request.app.state.database
+            database = database_of(request)
             if self.lacks(body):
                 body = await database.answer(self.fill_in, database, body)
             if query.dry_run:

@@ -17,18 +17,16 @@ from sqlalchemy import Connection
 
 from app.answers.job import list_class
 from app.answers.members import provenance
-from app.answers.opportunities_geojson import FeatureCollection
-from app.http.blocking import in_child, read, where_solved
+from app.answers.opportunities import FeatureCollection
+from app.http.blocking import database_of, in_child, read, where_solved
 from app.http.negotiation import ONLY_JSON, json_body, preferred_type, revalidated, saved_as
 from app.http.openapi.schema import REF, json_body_of
 from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource, tag_for_good
 from app.http.routes.parameters import PathId
 from app.jobs.child import Bounds
-from app.jobs.executors import Task
+from app.jobs.worker_process import Task
 from app.store import audit, jobs, results
-from app.store.database import Database
-from app.store.jobs import NewJob
 from app.store.packed import unzip
 from app.work.searches import (
     CSV,
@@ -194,8 +192,16 @@ class SearchResource(JobResource):
             job_id=new.id, bounds=SEARCH_BOUNDS, work=find_windows, arguments=(spec, origin, asked)
         )
         found, page = await where_solved(request, task)
-        database: Database = request.app.state.database
-        await database.answer(_keep, database, new, begun_utc, found)
+        database = database_of(request)
+
+        def keep() -> None:
+            with database.writing() as connection:
+                jobs.record_done(connection, new, begun_utc)
+                results.store(connection, new.id, [zlib.compress(found.head), found.edges])
+                action = f"{new.kind}.accept"
+                audit.record(connection, key_id=new.key_id, action=action, subject=new.id)
+
+        await database.answer(keep)
         return Whole(self, new.id, body, found, asked), page
 
     def _add_one(self, router: APIRouter) -> None:
@@ -263,7 +269,6 @@ class Whole(NamedTuple):
     asked: WindowsAsked
 
     async def page(self, request: Request, cursor: int) -> Page:
-        """Told in a child."""
         asked = replace(self.asked, cursor=cursor)
         edges = self.found.edges
         return await in_child(request, SEARCH_BOUNDS, read_windows, self.body, edges, asked)
@@ -296,10 +301,3 @@ def _answer(
         yield closed(media_type, None)
 
     return StreamingResponse(parts(), HTTPStatus.OK, headers, media_type)
-
-
-def _keep(database: Database, new: NewJob, begun_utc: datetime, found: FoundSearch) -> None:
-    with database.writing() as connection:
-        jobs.record_done(connection, new, begun_utc)
-        results.store(connection, new.id, [zlib.compress(found.head), found.edges])
-        audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)

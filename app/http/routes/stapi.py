@@ -35,8 +35,8 @@ from app.answers.stapi import (
     product_out,
     statuses_of,
 )
-from app.http.blocking import read
-from app.http.negotiation import ONLY_JSON, json_body, preferred_type
+from app.http.blocking import database_of, read
+from app.http.negotiation import ONLY_JSON, answers, json_body
 from app.http.openapi.fields import describe
 from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource
@@ -79,10 +79,6 @@ ORDERS = JobResource(
 router = APIRouter(prefix="/stapi", include_in_schema=False)
 
 
-async def _accepts_geojson(request: Request) -> None:
-    preferred_type(request, (GEOJSON, JSON))
-
-
 def _links(request: Request) -> Links:
     service, _ = request.app.state.stapi
     return Links(service.url or str(request.base_url))
@@ -109,7 +105,7 @@ To = Annotated[Links, Depends(_links)]
 Found = Annotated[Product, Depends(_product)]
 Body = Annotated[bytes, Depends(json_body)]
 Page = Annotated[PageQuery, Query()]
-AS_GEOJSON = (Depends(_accepts_geojson),)
+AS_GEOJSON = answers(GEOJSON, JSON)
 
 
 def _json(model: BaseModel, media_type: str = JSON, **answer: Any) -> Response:  # noqa: ANN401 (of a Response)
@@ -218,7 +214,7 @@ async def post_order(
         options = {"product": found.spec.id, "asked": asked.told}
         return ORDERS.accept(request, asked.campaign, asked.body, key, options=options)
 
-    job = await request.app.state.database.answer(accepted)
+    job = await database_of(request).answer(accepted)
     at = {"Location": str(to.to("self", f"stapi/orders/{job.id}").href)}
     return _json(await _order(request, job.id, to), GEOJSON, status_code=201, headers=at)
 
