@@ -207,8 +207,9 @@ class DaskExecutor:
                 self._client.subscribe_topic(PROGRESS_TOPIC, self._pass_progress_on)
                 workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
                 if not any(SLOT in worker["resources"] for worker in workers):
-                    text = "no worker of this version is connected; work waits for one"
-                    log.warning(text, slot=SLOT)
+                    log.warning(
+                        "no worker of this version is connected; work waits for one", slot=SLOT
+                    )
             return self._client
 
     def _disconnect(self) -> None:
