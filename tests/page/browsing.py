@@ -31,6 +31,25 @@ def made(service: Service, path: str, request: dict[str, object], **query: str) 
     return answer.json()
 
 
+def long_campaign(service: Service, name: str) -> str:
+    """The id of a campaign that works for as long as nobody cancels it."""
+    places = [(lat, lon) for lat in range(-50, 51, 5) for lon in range(-180, 180, 12)]
+    example = json.loads((ROOT / "examples/campaign_cities.json").read_text())
+    targets = [
+        {
+            "id": f"{latitude} {longitude}",
+            "session_s": 20.0,
+            "target": {"mode": "ground", "latitude_deg": latitude, "longitude_deg": longitude},
+        }
+        for latitude, longitude in places
+    ]
+    asked = example | {"name": name, "stop": "2015-03-10T00:00:00Z", "targets": targets}
+    address, later = f"{service.address}/v1/campaigns", {"Prefer": "respond-async"}
+    sent = httpx.post(address, json=asked, headers=later)
+    assert sent.status_code == 202, sent.text
+    return sent.json()["id"]
+
+
 def planned(page: Page) -> dict:
     """The request of the plan that the form now makes, as the service keeps it."""
     page.get_by_role("button", name="Plan").click()

@@ -29,7 +29,10 @@ def ask(open_page):
 
 
 def test_the_packaged_example_is_planned_as_it_is(ask):
+    errors: list[str] = []
+    ask.on("console", lambda told: told.type == "error" and errors.append(told.text))
     assert planned(ask) == LAS_VEGAS | {"on_conflict": "refuse"}
+    assert errors == []
 
 
 def test_a_place_is_found_by_name_and_its_best_window_taken(ask):
@@ -81,18 +84,8 @@ def test_a_star_is_completed_and_chosen_by_a_click(ask):
     ask.get_by_role("option", name="Vega HIP 91262").click()
     expect(entry).to_have_value("Vega")
     expect(ask.get_by_text("Vega is Hipparcos 91262")).to_be_visible()
-
-
-def test_coordinates_are_taken_with_letters_and_height(ask):
-    entry = ask.get_by_label("Place or coordinates")
-    entry.fill("33.87 S 151.21 E, 40")
-    entry.press("Enter")
-    expect(ask.get_by_role("status").filter(has_text="found")).to_be_visible()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    [session] = asked(ask)["sessions"]
-    assert session["target"] == {
-        "mode": "ground", "latitude_deg": -33.87, "longitude_deg": 151.21, "height_m": 40,
-    }  # fmt: skip
+    assert asked(ask)["sessions"][0]["target"] == {"mode": "star", "name": "Vega"}
 
 
 def test_a_click_on_the_map_is_a_target(ask):
@@ -113,34 +106,11 @@ def test_a_click_on_the_map_is_a_target(ask):
     assert (latitude, longitude) == pytest.approx((north_deg, east_deg), abs=1.0 / scale)
 
 
-def test_the_map_by_keyboard(ask):
-    world = ask.get_by_role("application")
-    world.focus()
-    world.press("ArrowRight")
-    world.press("ArrowUp")
-    world.press("Enter")
-    expect(ask.get_by_label("Place or coordinates")).to_have_value("41.11, -110.17")
-
-
-@pytest.mark.parametrize(
-    ("kind", "label", "entry", "target"),
-    [("Star", "Star", "Vega", {"mode": "star", "name": "Vega"}),
-     ("Star", "Star", "HIP 91262", {"mode": "star", "hip": 91262})],
-)  # fmt: skip
-def test_a_star(ask, kind, label, entry, target):
-    ask.get_by_role("radio", name=kind).check()
-    ask.get_by_role("combobox", name=label).fill(entry)
-    ask.get_by_role("button", name="Find").click()
-    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    assert asked(ask)["sessions"][0]["target"] == target
-
-
-@pytest.mark.parametrize("body", ["Sun", "Moon"])
-def test_sun_and_moon(ask, body):
+def test_the_moon(ask):
     ask.get_by_role("radio", name="Sun, Moon, planet").check()
-    ask.get_by_label("Body", exact=True).select_option(body)
+    ask.get_by_label("Body", exact=True).select_option("Moon")
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    assert asked(ask)["sessions"][0]["target"] == {"mode": "body", "name": body.lower()}
+    assert asked(ask)["sessions"][0]["target"] == {"mode": "body", "name": "moon"}
 
 
 def test_a_pasted_tle(ask):
@@ -213,18 +183,6 @@ def test_conflicting_sessions_show_what_each_way_out_gives_up(ask):
     request = ask.request.get(f"/v1/plans/{plan_id}/request").json()
     assert request["on_conflict"] == "least_loss"
     assert len(request["sessions"]) == 2
-
-
-def test_a_plan_goes_back_into_the_form_and_becomes_its_next_revision(ask):
-    first = planned(ask)
-    ask.get_by_role("link", name="Change the request").click()
-    start = ask.get_by_role("slider", name="Start of the session")
-    start.press("ArrowRight")
-    second = planned(ask)
-    assert second["sessions"][0]["start"] == "2015-02-27T17:36:21Z"
-    assert second["sessions"][0]["target"] == first["sessions"][0]["target"]
-    plan = ask.request.get("/v1" + re.sub(r"^https?://[^/]+", "", ask.url)).json()
-    assert plan["revision"] == 2
 
 
 def test_searches_for_windows_are_not_left_behind(ask, service):

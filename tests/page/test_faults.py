@@ -227,9 +227,8 @@ def test_work_is_cancelled_and_asked_for_again(form, hard):
     is_planned(page)
 
 
-@pytest.mark.parametrize("viewport", [None, PHONE], ids=["laptop", "phone"])
-def test_a_full_disk_is_told_and_recovered_from(form, hard, viewport):
-    page = form(hard.service, **({"viewport": viewport} if viewport else {}))
+def test_a_full_disk_is_told_and_recovered_from(form, hard):
+    page = form(hard.service, viewport=PHONE)
     with full_disk(hard.service, hard.folder, is_disk=hard.is_disk):
         plan_and_be_told(page, "The service can't use its database now; the next try is in")
         alert = page.get_by_role("alert")

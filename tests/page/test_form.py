@@ -151,16 +151,6 @@ def test_a_test_motion_of_the_platforms_axes(form):
     }
 
 
-def test_a_star_by_right_ascension_and_declination(form):
-    form.get_by_role("radio", name="Star").check()
-    entry = form.get_by_role("combobox", name="Star")
-    entry.fill("279.2347, 38.7837")
-    entry.press("Enter")
-    with_window(form)
-    [session] = asked(form)["sessions"]
-    assert session["target"] == {"mode": "star", "ra_deg": 279.2347, "dec_deg": 38.7837}
-
-
 def test_degrees_minutes_and_seconds_are_read_and_a_wrong_angle_is_told_before_planning(form):
     entry = form.get_by_role("combobox", name="Place or coordinates")
     entry.fill("46 3 25 N 14 30 36 E")
@@ -203,15 +193,6 @@ def test_a_dropped_aem_is_the_attitude_wherever_it_falls(form, box):
     made = asked(form)
     assert made["attitude"] == {"law": "aem", "content": text}
     assert made["orbit"]["source"] == "tle"
-
-
-def test_a_dropped_omm(form):
-    panel = opened(form, "Orbit")
-    text = (MESSAGES / "elements.json").read_text()
-    dropped(form, panel.locator(".drop-zone"), "elements.json", text)
-    expect(panel.locator("summary").first).to_contain_text("OMM")
-    with_window(form)
-    assert asked(form)["orbit"]["source"] == "omm"
 
 
 def test_options_are_those_of_the_schema(form):
@@ -260,20 +241,6 @@ def test_a_refused_field_is_told_in_words_and_marked_where_it_is(form):
     alert = form.get_by_role("alert")
     expect(alert).to_contain_text("Slews › Cones to keep out of 1 › Body")
     expect(cones.get_by_label("Body")).to_have_attribute("aria-invalid", "true")
-
-
-def test_the_next_session_leaves_time_for_the_slew(form):
-    form.get_by_role("combobox", name="Place or coordinates").fill("Las Vegas, Nevada, US")
-    form.get_by_role("button", name="Find").click()
-    with_window(form)
-    form.get_by_role("button", name="Add a session").click()
-    expect(form.get_by_text("Session 2: no target yet")).to_be_visible()
-    form.get_by_role("combobox", name="Place or coordinates").fill("Salt Lake City, Utah, US")
-    form.get_by_role("button", name="Find").click()
-    with_window(form)
-    made = planned(form)
-    assert made["name"] == "Las Vegas, Nevada, US, Salt Lake City, Utah, US"
-    assert len(made["sessions"]) == 2
 
 
 def test_a_reload_loses_nothing(form):

@@ -4,7 +4,7 @@ import json
 
 import httpx
 import pytest
-from browsing import ROOT, made, violations
+from browsing import ROOT, long_campaign, made, violations
 from playwright.sync_api import expect
 
 EXAMPLE = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
@@ -61,21 +61,7 @@ def test_what_is_deleted_is_gone_only_after_asking(open_page, service):
 
 
 def test_work_shows_its_progress_and_can_be_cancelled(open_page, service):
-    campaign = json.loads((ROOT / "examples/campaign_cities.json").read_text())
-    places = [(lat, lon) for lat in range(-50, 51, 5) for lon in range(-180, 180, 12)]
-    campaign["targets"] = [
-        {
-            "id": f"{latitude} {longitude}",
-            "session_s": 20.0,
-            "target": {"mode": "ground", "latitude_deg": latitude, "longitude_deg": longitude},
-        }
-        for latitude, longitude in places
-    ]
-    campaign |= {"name": "Long work to cancel", "stop": "2015-03-10T00:00:00Z"}
-    sent = httpx.post(
-        f"{service.address}/v1/campaigns", json=campaign, headers={"Prefer": "respond-async"}
-    )
-    assert sent.status_code == 202, sent.text
+    long_campaign(service, "Long work to cancel")
     page = open_page("/plans")
     page.get_by_label("Show", exact=True).select_option("campaigns")
     row = page.locator("tbody tr").filter(has_text="Long work to cancel")

@@ -44,6 +44,8 @@ def test_a_kept_session_is_shown_with_what_is_left_out(open_page, session):
         expect(page.get_by_role("img", name=f"{chart} over time")).to_be_visible()
     expect(page.get_by_role("img", name="Rate error while imaging")).to_be_visible()
     assert violations(page) == []
+    page.set_viewport_size(PHONE)
+    fit_a_phone(page)
 
 
 def test_time_moves_the_momentum_as_it_moves_every_plan(open_page, session):
@@ -134,12 +136,6 @@ def test_a_wrong_request_keeps_what_was_typed(open_page):
     page.get_by_role("button", name="Plan the session").click()
     expect(page.get_by_role("alert")).to_contain_text("10 to 3600 s")
     assert json.loads(page.get_by_label("Request as JSON").input_value()) == wrong
-
-
-def test_on_a_phone_nothing_is_wider(open_page, session):
-    page = open_page(f"/spacecraft/plans/{session['id']}", viewport=PHONE, globe=True)
-    expect(page.get_by_role("img", name="Rate error while imaging")).to_be_visible()
-    fit_a_phone(page)
 
 
 def test_a_pass_is_found_and_taken_for_the_session(open_page):
