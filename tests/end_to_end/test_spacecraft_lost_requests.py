@@ -2,14 +2,11 @@
 
 import dataclasses
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
-from spacecraft_cases import four_modes, line, session, sun_synchronous
+from imaging_cases import sun_synchronous
+from spacecraft_cases import four_modes, line, session
 
 from planner.base import effort
 from planner.base.errors import InfeasibleSlew

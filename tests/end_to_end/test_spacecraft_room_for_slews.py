@@ -2,13 +2,9 @@
 
 import dataclasses
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
 from spacecraft_cases import four_modes, line, session
 
 from planner.base import effort

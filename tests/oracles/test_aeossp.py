@@ -5,18 +5,15 @@ The rules are those of aeossp_standard's README.  Satellites and the Sun are tho
 """
 
 import itertools
-import sys
 from datetime import timedelta
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from aeossp import actions_of, read_case, solve
 from benchmark_sky import between_deg, is_lit, orbit_at, place_m, slew_s, utc
 from sgp4.api import Satrec
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-from aeossp import actions_of, read_case, solve
 
 CASE = Path(__file__).parents[1] / "data" / "aeossp_small"
 # The frames' difference over the shortest range, and the rows' by it.

@@ -1,18 +1,14 @@
 """Errors of a body in flight are those of a filter solved by SciPy, and lose what a budget says."""
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
+import agile_bodies
 import numpy as np
 import pytest
+from agile_bodies import smallsat
 from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
-
-sys.path.append(str(Path(__file__).parents[1] / "end_to_end"))
-import agile_bodies
-from agile_bodies import smallsat
 from test_body_plans import PATH, SMALLSAT, body_request, planned
 
 from planner.inflight.flights.frames import EXPOSURE_POINTS, frames_of

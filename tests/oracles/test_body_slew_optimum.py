@@ -1,13 +1,9 @@
 """Quickest slews of a whole body beside the least time that another, finer transcription finds."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "properties"))
 from body_slew_cases import FAMILIES, draw
 from body_slew_reference import reference_least_s
 

@@ -1,15 +1,11 @@
 """A flight is what SciPy makes of the equations in docs/simulation.md."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from flight_reference import Reference
-
-sys.path.append(str(Path(__file__).parents[1] / "properties"))
 from flight_cases import ARCSEC, ROCKING, rough, steady, swinging
+from flight_reference import Reference
 
 from planner.inflight.simulation.flight import fly
 from planner.world.platforms import ISS_HRC

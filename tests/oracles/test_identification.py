@@ -1,15 +1,11 @@
 """A drive's parameters are found from a flight that another program made."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from flight_reference import Reference
-
-sys.path.append(str(Path(__file__).parents[1] / "properties"))
 from flight_cases import ARCSEC, rough, swinging
+from flight_reference import Reference
 
 from planner.inflight.simulation.flight import fly
 from planner.inflight.simulation.identification import identify

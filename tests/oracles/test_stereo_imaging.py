@@ -7,7 +7,6 @@ are differences of positions.
 
 import itertools
 import math
-import sys
 from datetime import timedelta
 from pathlib import Path
 
@@ -16,8 +15,6 @@ import pytest
 import yaml
 from benchmark_sky import EARTH_M, FLATTENING, between_deg, orbit_at, place_m, slew_s, sun_at, utc
 from sgp4.api import Satrec
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 from stereo_imaging import read_case, solve
 
 CASE = Path(__file__).parents[1] / "data" / "stereo_small"

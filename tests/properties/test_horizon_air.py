@@ -4,15 +4,10 @@ The limbs' light is SASKTRAN2's, stored in tests/data/horizon/air; the frames sh
 model with the estimator.
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-
 from horizon_air import CONDITIONS, cases
 from limb_frames import lowest_points
 

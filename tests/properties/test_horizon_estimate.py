@@ -4,18 +4,13 @@ The renderer integrates the scattering of sunlight through a spherical atmospher
 nothing of the estimator's model of the limb.
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-
 from horizon_cases import NEGATIVES, RollingShutter, case, negative, random_air, ring
 from reproduction.lomaka_method import paper_nadir
+from scipy.spatial.transform import Rotation
 
 from estimator.check import Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, InvalidImage, Reason

@@ -1,17 +1,12 @@
 """A frame without a usable limb says why; one way to each reason not met elsewhere."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-
 from horizon_cases import camera, case, ring
+from scipy.spatial.transform import Rotation
 
 from estimator.errors import Reason
 from estimator.pipeline import estimate_vertical

@@ -1,13 +1,7 @@
 """A fit of the limb is as likely as its residuals say."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-
 from horizon_cases import camera
 
 from estimator.limb.geometry import Limb

@@ -1,18 +1,15 @@
 """The report of the papers' numbers holds what it says, and notices what moves."""
 
 import re
-import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from reproduction import report
+from reproduction.report import Statement, read_statements, row
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "bench"))
-
-from reproduction import report  # noqa: E402
-from reproduction.report import Statement, read_statements, row  # noqa: E402
 
 ORBIT = Statement(
     paper="Sumarokov 2016",

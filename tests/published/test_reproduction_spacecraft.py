@@ -1,13 +1,9 @@
 """Closed forms and invariants behind the third paper's part of the report."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-
 from reproduction.platonov import (
     gyro_reach_deg_s,
     needed,
