@@ -1,7 +1,6 @@
 """Every hostile or odd upload is refused clearly, before it costs anything."""
 
 import contextlib
-import io
 import struct
 import subprocess
 import sys
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from PIL import Image
 
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
@@ -104,42 +102,6 @@ def test_alpha_masks():
     assert not usable[:10].any()
     assert not usable[40:].any()
     assert usable[10:40].all()
-
-
-def test_a_small_file_that_claims_900_megapixels_is_refused_unopened():
-    with pytest.raises(InvalidImage, match="at most"):
-        decode_image(png_claiming(30000, 30000))
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"\x89PNG\r\n\x1a\n",
-        b"GIF89a" + bytes(100),
-        b"%PDF-1.7",
-        b"\xff\xd8\xff",
-        b"II*\0\xff\xff\xff\xff",
-        b"MM\0*\0\0\0\x08\xff\xff" + bytes(40),
-        coded(".png")[:200],
-        coded(".tiff")[:200],
-        coded(".jpg")[:30],
-        coded(".jpg")[2:],
-        coded(".bmp"),
-    ],
-    ids=range(12),
-)
-def test_damage_is_refused(content):
-    with pytest.raises(InvalidImage):
-        decode_image(content)
-
-
-def test_a_cmyk_jpeg_is_refused():
-    ink = Image.fromarray(np.full((48, 64, 4), (0, 0, 0, 128), np.uint8), mode="CMYK")
-    held = io.BytesIO()
-    ink.save(held, "JPEG")
-    with pytest.raises(InvalidImage, match="RGB"):
-        decode_image(held.getvalue())
 
 
 HOSTILE = {
