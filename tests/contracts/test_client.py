@@ -200,19 +200,6 @@ def test_what_is_kept_is_listed_exported_revised_and_deleted(client):
     assert refused.value.problem.status == 404
 
 
-def test_windows_are_sessions_that_plan(client):
-    found = client.opportunities(GALLERY, include=("view", "probability"))
-    window = next(one for one in found.windows if one.target == "Las Vegas")
-    assert window.rise < window.set
-    assert window.rise.utcoffset().total_seconds() == 0.0
-    session = LAS_VEGAS["sessions"][0] | window.session
-    plan = client.plan(LAS_VEGAS | {"sessions": [session]})
-    assert plan.passed
-    [budget] = plan["uncertainty"]
-    # A search weighs one of four draws of the plan's, good to 0.006 each.
-    assert window.probability_in_frame == pytest.approx(budget["probability_in_frame"], abs=0.03)
-
-
 def test_a_target_that_is_never_seen_says_why(client):
     """The ISS never stands above the pole's horizon."""
     pole = {"id": "pole", "target": {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0.0}}
@@ -370,16 +357,6 @@ def test_both_clients_have_the_same_calls():
         }
 
     assert calls(slewtrack.Client) == calls(slewtrack.AsyncClient)
-
-
-def test_a_search_is_asked_with_await(service):
-    async def found():
-        async with slewtrack.AsyncClient(service.address) as client:
-            made = await client.opportunities(GALLERY)
-            return made, await client.get_search(made.id)
-
-    made, kept = asyncio.run(found())
-    assert made == kept
 
 
 def test_a_key_is_sent_and_its_lack_told(guarded):

@@ -337,6 +337,7 @@ def test_a_full_queue_says_when_to_come_back(busy):
     assert answer.status_code == 503
     assert answer.json()["type"].endswith("queue-full")
     assert int(answer.headers["retry-after"]) > 0
+    assert len(client.get(PLANS).json()["plans"]) == 2
     for location in (waiting, running):
         assert cancelled(client, location)
 

@@ -1,7 +1,5 @@
 """A plan's table is handed out by itself in every registered format, and as RFC 9110 asks."""
 
-import json
-
 import pytest
 from refusal_cases import request
 
@@ -12,11 +10,6 @@ from planner.output.export import EXPORTERS
 SHORT = request(
     ("initial_state.epoch", "2015-02-27T17:35:00Z"), ("sessions.0.stop", "2015-02-27T17:36:30Z")
 )
-
-
-@pytest.fixture(scope="module")
-def table(client):
-    return client.post("/v1/plans", json=SHORT).json()["table"]
 
 
 def post(client, accept="*/*", query="", document=SHORT):
@@ -100,9 +93,3 @@ def test_a_plans_name_can_not_break_the_header(client, name):
     assert answer.status_code == 201
     assert "set-cookie" not in answer.headers
     assert len(answer.headers["content-disposition"]) < 120
-
-
-def test_json_by_name_is_the_table_alone(client, table):
-    alone = json.loads(post(client, query="?format=json").content)
-    assert alone["alpha_deg"] == table["alpha_deg"]
-    assert "pointing" not in alone

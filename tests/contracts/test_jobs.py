@@ -15,7 +15,6 @@ from waiting import PATIENCE_S, alive, eventually
 from app.jobs import dispatcher as dispatcher_module
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.kinds import JOB_KINDS
-from app.jobs.refusals import QueueFull
 from app.jobs.worker_process import run_here
 from app.settings import Settings
 from app.store import audit, events, jobs, results
@@ -339,18 +338,6 @@ def test_leases_are_kept_while_the_work_goes_on(database, notes):
         one.cancel(job.id, None)
         assert ended(database, job.id).attempts == 1
     assert len(notes.pids()) == 1
-
-
-def test_the_queue_is_bounded(database, tmp_path):
-    with dispatching(database, queue_max=2) as dispatcher:
-        running = dispatcher.submit(new_job("hang", tmp_path / "notes"))
-        for _ in range(2):
-            dispatcher.submit(new_job("note", tmp_path / "notes"))
-        with pytest.raises(QueueFull, match="2 requests wait"):
-            dispatcher.submit(new_job("note", tmp_path / "notes"))
-        with database.reading() as connection:
-            assert sum(jobs.counts(connection).values()) == 3
-        dispatcher.cancel(running.id, None)
 
 
 @pytest.mark.usefixtures("patient_store")

@@ -1,6 +1,5 @@
 """The command behaves as a command should: exit codes, streams, files."""
 
-import csv
 import json
 import subprocess
 import sys
@@ -16,7 +15,6 @@ from planner.output.export import EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EXAMPLE = EXAMPLES / "las_vegas_2015.json"
-GALLERY = EXAMPLES / "opportunities_gallery.json"
 
 
 def one_line(text: str) -> str:
@@ -65,12 +63,6 @@ def test_a_place_that_can_not_be_written(tmp_path):
     assert str(occupied) in one_line(result.stderr)
 
 
-def test_pictures_in_vectors(tmp_path):
-    picture = tmp_path / "plan.pdf"
-    assert CliRunner().invoke(main, ["plan", str(EXAMPLE), "--plot", str(picture)]).exit_code == 0
-    assert picture.stat().st_size > 10_000
-
-
 def test_exports_by_format_and_path(tmp_path):
     words = [f"--export={name}={tmp_path}/plan{to.suffix}" for name, to in EXPORTERS.items()]
     result = CliRunner().invoke(main, ["plan", str(EXAMPLE), *words])
@@ -97,19 +89,6 @@ def test_a_table_that_failed_its_verification(tmp_path):
     assert "verification FAILED" in result.stdout
     assert json.loads((tmp_path / "json").read_text())["state"] == "failed"
     assert not (tmp_path / "csv").exists()
-
-
-def test_windows_of_the_gallery(tmp_path):
-    words = [f"--{name}={tmp_path}/{name}" for name in ("csv", "json")]
-    result = CliRunner().invoke(main, ["windows", str(GALLERY), *words])
-    assert result.exit_code == 0, result.output
-    assert "92 windows of 6 targets" in result.stdout
-    windows = json.loads((tmp_path / "json").read_text())["windows"]
-    rows = list(csv.DictReader((tmp_path / "csv").read_text().splitlines()))
-    assert [row["rise"] for row in rows] == [window["rise"] for window in windows]
-    assert [float(row["closest_beta_deg"]) for row in rows] == [
-        window["closest"]["angles_deg"]["beta"] for window in windows
-    ]
 
 
 @pytest.mark.parametrize("name", ["a $\\frac$ b", "x" * 200])

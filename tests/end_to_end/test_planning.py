@@ -59,19 +59,6 @@ def test_a_target_below_the_horizon_names_a_start_when_it_is_not(start_s):
     assert replanned(asked, refused.value).verification.passed
 
 
-def test_three_sessions_of_one_pass():
-    plan = make_plan(
-        scenario(
-            session(LAS_VEGAS, 140.0, 200.0),
-            session(SALT_LAKE, 230.0, 270.0),
-            session(LARAMIE, 300.0, 350.0),
-        )
-    )
-    assert [segment.kind for segment in plan.segments] == ["slew", "track"] * 3
-    assert plan.verification.passed
-    assert plan.warnings == ()
-
-
 TIGHT = (
     session(LAS_VEGAS, 140.0, 200.0),
     session(SALT_LAKE, 208.0, 270.0),
