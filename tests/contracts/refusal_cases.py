@@ -55,6 +55,10 @@ def _stiff_platform() -> Any:
     return platform
 
 
+def _coned(**direction: object) -> Request:
+    return request(("slew.keep_out", [{"half_angle_deg": 30.0, **direction}]))
+
+
 def _masked(corners: list[list[float]]) -> Request:
     return request(("platform.masks.0.corners_platform", corners), example="masks")
 
@@ -215,6 +219,14 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "platform.park_positions_deg.stowed.tilt", "-175..175"),
     ("a cone without direction", lambda: request(("slew.keep_out", [{"half_angle_deg": 9.0}])),
      _READ, "slew.keep_out.0", "one direction"),
+    ("a cone of two directions", lambda: _coned(body="sun", ra_deg=1.0, dec_deg=2.0),
+     _READ, "slew.keep_out.0", "one direction"),
+    ("a cone of half a direction", lambda: _coned(ra_deg=1.0),
+     _READ, "slew.keep_out.0.ra_deg", "belong together"),
+    ("a cone about a star by name", lambda: _coned(body="sirius"),
+     _READ, "slew.keep_out.0.body", "must be one of"),
+    ("a cone about nothing", lambda: _coned(direction_lvlh=[0.0, 0.0, 0.0]),
+     _READ, "slew.keep_out.0.direction_lvlh", "at least 0.001 long"),
     ("a mask of two corners", lambda: _masked([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
      _READ, "platform.masks.0.corners_platform", "3 to 64 corners"),
     ("a mask whose sides cross",
