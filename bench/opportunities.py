@@ -10,11 +10,6 @@ for: fewer windows, looked at second by second.
 
     python bench/opportunities.py [--targets 20 300 1000] [--days 7]
 
-`--carriers 100 --targets 10000 --days 1` instead finds the windows of so many carriers, each a
-task with all targets, by one and two workers of dask.distributed and by two threads; one of the
-workers is killed in the middle, and nothing may be lost.  Beside the time each took stands the
-busiest worker's of the processor, which is what it would take on a machine with nothing else to do.
-
 Times are of the processor (all threads, so that those of linear algebra must not wait beside each
 other: tables of the carrier would count twice), which other work on the machine changes least; the
 best of three for ours.  Earth orientation is the same finals2000A in all three.
@@ -30,15 +25,10 @@ import os
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import argparse
-import hashlib
 import json
 import math
-import resource
-import signal
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from copy import copy
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
@@ -48,7 +38,6 @@ from typing import TypeVar
 
 import brahe
 import numpy as np
-from distributed import Client, LocalCluster, as_completed
 from numpy.typing import NDArray
 from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
@@ -57,7 +46,6 @@ from app.answers.members import provenance
 from app.requests.opportunities import read_opportunity_request
 from app.work.searches import VIEW, WindowsAsked, find_windows, search_json
 from planner.planning.opportunities import OpportunityRequest, WindowEdges, WindowSearch
-from planner.world.orbits import Orbit, TleOrbit
 from planner.world.platforms import TwoAxisPlatform
 from planner.world.platforms.choice import BODIES
 
@@ -74,17 +62,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--targets", type=int, nargs="+", default=[20, 300, 1000])
     parser.add_argument("--days", type=float, default=7.0)
-    parser.add_argument("--carriers", type=int)
     asked = parser.parse_args()
     stop = START + timedelta(days=asked.days)
     orbit = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())["orbit"]
     lines = orbit["line1"], orbit["line2"]
     for targets in asked.targets:
-        places_deg = _places_deg(targets)
-        if asked.carriers is None:
-            _beside_peers(places_deg, stop, lines)
-        else:
-            _many_carriers(_request(places_deg, stop, lines), asked.carriers)
+        _beside_peers(_places_deg(targets), stop, lines)
 
 
 def _beside_peers(
@@ -151,78 +134,6 @@ def _answer(body: bytes, asked: WindowsAsked) -> bytes:
     return search_json("id", found.head, page)
 
 
-def _many_carriers(request: OpportunityRequest, count: int) -> None:
-    """One task each: by one worker, two, two of which one is killed, and two threads.
-
-    Of what a task finds its number of windows and a digest of its edges are kept: edges are written
-    by carrier, never held.
-    """
-    orbits = [*_orbits(request.orbit, count)]
-    alone = _summed(_edges_s(request, orbits[0]))  # compiled
-    _tell_memory("before")
-    for name, workers, is_killed in (
-        ("one worker", 1, False),
-        ("two workers", 2, False),
-        ("two workers, one killed", 2, True),
-    ):
-        with (
-            LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as local,
-            Client(local) as client,
-        ):
-            client.run(_edges_s, request, orbits[0])  # loaded
-            shared = client.scatter(request, broadcast=True)
-            began, found, before_s = time.perf_counter(), {}, client.run(time.process_time)
-            pids = [*client.run(os.getpid).values()]
-            rows = {
-                client.submit(_edges_s, shared, orbit, pure=False): row
-                for row, orbit in enumerate(orbits)
-            }
-            for future in as_completed([*rows]):
-                found[rows.pop(future)] = _summed(future.result())
-                del future  # its worker need not hold the edges any longer
-                if is_killed and len(found) == count // 2:
-                    os.kill(pids[0], signal.SIGKILL)
-            took_s, after_s = time.perf_counter() - began, client.run(time.process_time)
-            busiest_s = max(worked_s - before_s.get(one, 0.0) for one, worked_s in after_s.items())
-        _tell(f"{name}, busiest {busiest_s:.1f} s", took_s, [found[row] for row in range(count)])
-        assert found[0] == alone
-    with ThreadPoolExecutor(2) as threads:
-        began = time.perf_counter()
-        found_here = [*threads.map(lambda orbit: _summed(_edges_s(request, orbit)), orbits)]
-    _tell("two threads", time.perf_counter() - began, found_here)
-    assert found_here == [found[row] for row in range(count)]
-    _tell_memory("at most")
-
-
-def _summed(edges_s: NDArray[np.float64]) -> tuple[int, str]:
-    return len(edges_s), hashlib.sha256(edges_s.tobytes()).hexdigest()
-
-
-def _tell_memory(when: str) -> None:
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(f"  memory of this process {when} {held:.0f} MiB")
-
-
-def _orbits(orbit: Orbit, count: int) -> Iterator[TleOrbit]:
-    """The same, its node turned around the Earth."""
-    assert isinstance(orbit, TleOrbit)
-    for number in range(count):
-        line = f"{orbit.line2[:17]}{360.0 * number / count:8.4f}{orbit.line2[25:68]}"
-        check = sum(int(one) if one.isdigit() else one == "-" for one in line) % 10
-        yield replace(orbit, line2=f"{line}{check}")
-
-
-def _edges_s(request: OpportunityRequest, orbit: TleOrbit) -> NDArray[np.float64]:
-    """A task: target, rise and set of all windows of one carrier."""
-    found = WindowSearch(_unchecked(request, orbit=orbit)).find()
-    return np.stack([found.target, found.rise_s, found.set_s], axis=1)
-
-
-def _tell(name: str, took_s: float, found: list[tuple[int, str]]) -> None:
-    windows = sum(count for count, _ in found)
-    print(f"  {name:41s} {took_s:8.2f} s: {windows} windows, {took_s / windows * 1e6:.1f} us each")
-
-
 def _places_deg(count: int) -> list[tuple[float, float]]:
     """Latitude and longitude: the OCO-3 targets, then even over the belt the ISS can see."""
     listed = json.loads((ROOT / "tests" / "data" / "oco3_targets.json").read_text())["targets"]
@@ -251,30 +162,6 @@ def _body(places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[st
         "conditions": {"min_elevation_deg": MIN_ELEVATION_DEG},
     }
     return json.dumps(asked).encode()
-
-
-def _request(
-    places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
-) -> OpportunityRequest:
-    """Of more targets than one request may have."""
-    few = read_opportunity_request(_body(places_deg[:1], stop, lines))
-    [one] = few.targets
-    targets = tuple(
-        replace(
-            one,
-            id=str(number),
-            target=replace(one.target, latitude_deg=latitude, longitude_deg=longitude),  # type: ignore[arg-type]
-        )
-        for number, (latitude, longitude) in enumerate(places_deg)
-    )
-    return _unchecked(few, targets=targets)
-
-
-def _unchecked(request: OpportunityRequest, **changed: object) -> OpportunityRequest:
-    asked = copy(request)
-    for name, value in changed.items():
-        object.__setattr__(asked, name, value)
-    return asked
 
 
 def _by_target(found: WindowEdges, count: int) -> Windows:
