@@ -99,6 +99,7 @@ def axis_row(page: Page, name: str) -> list[str]:
 
 
 def test_the_values_are_those_of_the_view(open_page, service, las_vegas):
+    """Beside a map, where there is no WebGL; a closer look at the session tells its probability."""
     view = view_of(service, las_vegas)
     page = open_page(las_vegas)
     go_to(page, 170)
@@ -112,6 +113,15 @@ def test_the_values_are_those_of_the_view(open_page, service, las_vegas):
         assert told[2] == pytest.approx(axis["acceleration_deg_s2"][row], abs=1e-5)
         assert told[3] == pytest.approx(axis["jerk_deg_s3"][row], abs=1e-5)
     expect(page.get_by_test_id("aloud")).to_contain_text("17:36:50 UTC; session; alpha")
+    land_map = page.get_by_role("img", name="Map with the ground track")
+    expect(land_map).to_be_visible()
+    expect(land_map.get_by_text("36.1147")).to_be_visible()
+    expect(page.get_by_role("button", name="Globe", exact=True)).to_be_disabled()
+    assert violations(page) == []
+    told = page.request.get(f"/v1{las_vegas}").json()["uncertainty"][0]["probability_in_frame"]
+    page.get_by_role("button", name="Closer look: near Las Vegas").click()
+    expect(page.get_by_label("Time of the cursor")).to_have_value("140")
+    expect(page.get_by_text(f"in frame: {round(100 * told, 1):g} %")).to_be_visible()
 
 
 def test_a_spacecraft_that_turns_as_a_whole_shows_what_it_has(open_page, service):
@@ -149,7 +159,7 @@ def test_a_spacecraft_that_turns_as_a_whole_shows_what_it_has(open_page, service
     assert violations(page) == []
 
 
-def test_keys_move_the_cursor_and_play(open_page, las_vegas):
+def test_keys_and_charts_move_the_cursor_and_it_plays(open_page, las_vegas):
     page = open_page(las_vegas)
     slider = page.get_by_label("Time of the cursor")
     expect(slider).to_have_value("0")
@@ -168,27 +178,14 @@ def test_keys_move_the_cursor_and_play(open_page, las_vegas):
     expect(page.get_by_role("button", name="Pause")).to_be_visible()
     expect(slider).to_have_value("230")  # after four seconds, where it stops by itself
     expect(page.get_by_role("button", name="Play")).to_be_visible()
-
-
-def test_dragging_a_chart_moves_the_cursor_for_all(open_page, las_vegas):
-    page = open_page(las_vegas)
+    # A chart that is dragged moves the cursor for all.
     rate = page.locator(".chart .u-over").nth(1)
     show_one_instant(page.locator(".chart-now"), 6)
     width = box_of(rate)["width"]
     begin, end = ({"x": share * width, "y": 20} for share in (0.2, 0.5))
     rate.drag_to(rate, source_position=begin, target_position=end)
-    slider = page.get_by_label("Time of the cursor")
     eventually(lambda: float(slider.input_value()) == pytest.approx(115, abs=1))
     show_one_instant(page.locator(".chart-now"), 6)
-
-
-def test_a_closer_look_at_the_session(open_page, service, las_vegas):
-    with urllib.request.urlopen(f"{service.address}/v1{las_vegas}", timeout=60) as answer:
-        told = json.load(answer)["uncertainty"][0]["probability_in_frame"]
-    page = open_page(las_vegas)
-    page.get_by_role("button", name="Closer look: near Las Vegas").click()
-    expect(page.get_by_label("Time of the cursor")).to_have_value("140")
-    expect(page.get_by_text(f"in frame: {round(100 * told, 1):g} %")).to_be_visible()
 
 
 def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas):
@@ -219,12 +216,9 @@ def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas
     assert violations(page) == []
     page.get_by_role("button", name="Overview").click()
     expect(near.locator(".lm-carrier")).to_be_visible()
-
-
-def test_a_globe_closer_than_its_picture_becomes_the_map(open_page, las_vegas):
-    page = open_page(las_vegas, globe=True)
-    expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
-    near = page.get_by_role("img", name="Map with the ground track")
+    # A globe closer than its picture becomes the map, too.
+    page.get_by_role("button", name="Globe", exact=True).click()
+    expect(near).to_be_hidden()
     for _ in range(20):
         if near.is_visible():
             break
@@ -263,7 +257,10 @@ def test_a_star_has_a_chart_of_the_sky(open_page, service):
     expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
 
 
-def test_the_globe_rests_until_something_moves(open_page, las_vegas):
+def test_one_globe_rests_until_something_moves_and_is_kept_from_plan_to_plan(
+    open_page, service, las_vegas
+):
+    """Each one that is destroyed leaves its canvas with listeners behind."""
     page = open_page("/healthz", globe=True)
     page.add_init_script(_COUNT_DRAWING)
     page.goto(page.url.replace("/healthz", las_vegas))
@@ -272,14 +269,6 @@ def test_the_globe_rests_until_something_moves(open_page, las_vegas):
     before = page.evaluate("window.drawn")
     go_to(page, 170)
     page.wait_for_function("before => window.drawn > before && window.idle > 30", arg=before)
-    eventually(lambda: shows_the_earth(page.locator(".look-globe")))
-    page.get_by_role("button", name="Flat map").click()
-    expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
-
-
-def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):
-    """Each one that is destroyed leaves its canvas with listeners behind."""
-    page = open_page(las_vegas, globe=True)
     globe = page.locator(".look-globe[data-state=there]")
     globe.locator("canvas").evaluate("canvas => { canvas.dataset.first = ''; }")
     for path in (planned(service, name="another"), "/plans", las_vegas):
@@ -290,15 +279,8 @@ def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):
     expect(globe.locator("canvas[data-first]")).to_be_visible()
     expect(page.locator(".look-globe canvas")).to_have_count(1)
     eventually(lambda: shows_the_earth(globe))
-
-
-def test_without_webgl_there_is_a_map(open_page, las_vegas):
-    page = open_page(las_vegas)
-    land_map = page.get_by_role("img", name="Map with the ground track")
-    expect(land_map).to_be_visible()
-    expect(land_map.get_by_text("36.1147")).to_be_visible()
-    expect(page.get_by_role("button", name="Globe", exact=True)).to_be_disabled()
-    assert violations(page) == []
+    page.get_by_role("button", name="Flat map").click()
+    expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
 
 
 def test_in_the_dark_it_is_accessible(open_page, las_vegas):

@@ -57,7 +57,8 @@ def test_everything_kept_has_its_lane_and_its_link(kept, windows, open_page):
     expect(page.get_by_role("heading", name="Vega", level=1)).to_be_visible()
 
 
-def test_shadow_is_what_the_service_computes(kept, open_page):
+def test_a_day_has_its_shadows_conflicts_and_ground_track(kept, open_page):
+    """Shadow is what the service computes; plans in each other's way are named."""
     page = open_page(DAY, at=kept)
     expect(page.locator(".shadow").first).to_be_visible()
     span = {"start": "2015-02-27T00:00:00Z", "stop": "2015-02-28T00:00:00Z"}
@@ -66,10 +67,6 @@ def test_shadow_is_what_the_service_computes(kept, open_page):
     told = page.locator(".shadow").evaluate_all("all => all.map(one => one.title)")
     first = next(one for one in eclipses if one["stop"] > "2015-02-27T12:00:00")
     assert told[0].endswith(f"{first['stop'][11:19]} UTC") or first["stop"][11:19] in told[0]
-
-
-def test_plans_in_each_others_way_are_named(kept, open_page):
-    page = open_page(DAY, at=kept)
     conflicts = page.get_by_role("region", name="Conflicts: 1")
     expect(conflicts.get_by_role("listitem")).to_have_text(
         "Las Vegas again and Vega: both command iss-hrc, NORAD 25544, "
@@ -78,6 +75,12 @@ def test_plans_in_each_others_way_are_named(kept, open_page):
     block = page.get_by_role("link", name=re.compile("^Las Vegas again, .*conflicts with Vega"))
     expect(block).to_be_visible()
     expect(page.get_by_role("link", name=re.compile("^Las Vegas, .*replaced"))).to_be_visible()
+    ground = page.get_by_role("region", name="Ground track")
+    expect(ground.get_by_text("Las Vegas again")).to_be_visible()
+    for drawn in (".dm-track", ".map-night", ".dm-swath"):
+        expect(ground.locator(drawn)).to_have_attribute("d", re.compile("^M"))
+    page.get_by_label("Lanes by").select_option("owner")
+    expect(page.get_by_role("heading", name="without a key")).to_be_visible()
 
 
 def test_keys_and_wheel_zoom_and_a_drag_moves(kept, open_page):
@@ -134,12 +137,8 @@ def test_without_a_time_it_begins_with_the_latest_plan_and_all_shows_all(kept, o
     page.get_by_role("button", name="All that is kept").click()
     for name in ("Vega", "another satellite"):
         expect(page.get_by_role("link", name=re.compile(f"^{name}, "))).to_be_visible()
-
-
-def test_lanes_by_person(kept, open_page):
-    page = open_page(DAY, at=kept)
-    page.get_by_label("Lanes by").select_option("owner")
-    expect(page.get_by_role("heading", name="without a key")).to_be_visible()
+    page.goto(kept.address + DAY.replace("2015", "2014"))
+    expect(page.get_by_text("Nothing is kept for this time.")).to_be_visible()
 
 
 def test_the_calendar_holds_sessions_windows_and_shadow(kept, windows, open_page):
@@ -161,27 +160,12 @@ def test_the_calendar_holds_sessions_windows_and_shadow(kept, windows, open_page
     assert text.count("BEGIN:VEVENT") == text.count("END:VEVENT") == len(re.findall(r"UID:", text))
 
 
-def test_the_map_has_track_night_and_targets(kept, open_page):
-    page = open_page(DAY, at=kept)
-    ground = page.get_by_role("region", name="Ground track")
-    expect(ground.get_by_text("Las Vegas again")).to_be_visible()
-    expect(ground.locator(".dm-track")).to_have_attribute("d", re.compile("^M"))
-    expect(ground.locator(".map-night")).to_have_attribute("d", re.compile("^M"))
-    expect(ground.locator(".dm-swath")).to_have_attribute("d", re.compile("^M"))
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_russian_on_a_phone(kept, open_page, theme):
-    page = open_page(DAY, at=kept, viewport=PHONE, locale="ru-RU", color_scheme=theme)
+def test_russian_on_a_phone_in_the_dark(kept, open_page):
+    page = open_page(DAY, at=kept, viewport=PHONE, locale="ru-RU", color_scheme="dark")
     expect(page.get_by_role("heading", name="Шкала времени")).to_be_visible()
     expect(page.get_by_role("region", name="Конфликтов: 1")).to_be_visible()
     fit_a_phone(page)
     assert violations(page) == []
-
-
-def test_nothing_kept(kept, open_page):
-    page = open_page(DAY.replace("2015", "2014"), at=kept)
-    expect(page.get_by_text("Nothing is kept for this time.")).to_be_visible()
 
 
 def test_a_window_is_a_link_to_its_plan(kept, windows, open_page):
