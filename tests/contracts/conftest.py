@@ -1,6 +1,7 @@
-"""A client of a service in this process, with its defaults, for each file that asks for one."""
+"""A client of a service in this process, for each file; a database for each test."""
 
 import pytest
+from databases import fresh_database
 from waiting import PatientClient
 
 from app.http.app import create_app
@@ -10,3 +11,9 @@ from app.http.app import create_app
 def client():
     with PatientClient(create_app()) as client:
         yield client
+
+
+@pytest.fixture
+def database(tmp_path):
+    with fresh_database(tmp_path) as database:
+        yield database

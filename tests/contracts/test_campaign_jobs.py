@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 from child_work import Notes, die, die_once, find_looks_once, hang, made, refuse_by
-from databases import fresh_database
 from waiting import alive, eventually
 
 from app.answers.campaign import campaign_json
@@ -34,12 +33,6 @@ BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
 @pytest.fixture(scope="module")
 def chosen():
     return choose(BODY)
-
-
-@pytest.fixture
-def database(tmp_path):
-    with fresh_database(tmp_path) as database:
-        yield database
 
 
 @pytest.fixture

@@ -5,15 +5,13 @@ import json
 from concurrent.futures import Future
 
 import pytest
-from waiting import PatientClient, eventually
+from waiting import eventually
 
 import slewtrack
-from app.http.app import create_app
 from app.jobs.job_completion import settle
 from app.jobs.kinds import FLIGHTS, JOB_KINDS, RUNS
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from app.settings import Settings
 from app.store import events, jobs
 from app.work import flights as flights_work
 from planner.base.errors import Unreachable
@@ -24,13 +22,6 @@ ASKED = {"runs": 6, "seed": 3, "moving_object": {"speed_m_s": 20.8}}
 LATER = {"Prefer": "respond-async"}
 NOBODY = "01a203fd-cbae-73f8-8276-319f76b8842c"
 STILL = {"kind": "constant_rate", "angle_deg": 0.0, "rate_deg_s": 0.0}
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    settings = Settings(data_dir=tmp_path_factory.mktemp("flights"), database_url="", workers=2)
-    with PatientClient(create_app(settings), base_url="http://localhost") as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,7 @@
 import copy
 
 import pytest
-from databases import own_settings
-from waiting import PatientClient
 
-from app.http.app import create_app
 from app.requests.examples import OPPORTUNITY_EXAMPLES
 
 ASKED = OPPORTUNITY_EXAMPLES["modes"][1]
@@ -14,12 +11,6 @@ PATH = "/v1/opportunities"
 STRIP = ASKED["targets"][0]
 FAR = {"type": "LineString", "coordinates": [[100.0, -20.0], [100.1, -20.4]]}
 GEOJSON = {"Accept": "application/geo+json"}
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    with PatientClient(create_app(own_settings(tmp_path_factory.mktemp("scans")))) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,6 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 from child_work import Notes, let_go
-from databases import fresh_database
 from job_cases import KINDS, new_job
 from sqlalchemy import select, update
 from waiting import PATIENCE_S, alive, eventually
@@ -29,12 +28,6 @@ RULES = {"lease_s": 120.0, "job_attempts": 3, "queue_max": 100, "retention_days"
 def kinds(monkeypatch):
     for name, kind in KINDS.items():
         monkeypatch.setitem(JOB_KINDS, name, kind)
-
-
-@pytest.fixture
-def database(tmp_path):
-    with fresh_database(tmp_path) as database:
-        yield database
 
 
 @pytest.fixture

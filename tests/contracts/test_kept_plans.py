@@ -5,11 +5,8 @@ import json
 import zlib
 
 import pytest
-from databases import own_settings
 from sqlalchemy import update
-from waiting import PatientClient
 
-from app.http.app import create_app
 from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.store.models import JobRow
@@ -20,12 +17,6 @@ from planner.output.view import VIEW_EXPORTERS
 
 OWN_PLATFORM = PLAN_EXAMPLES["platform"][1]
 HIDDEN = "a\0b\u202ec " + "long " * 600
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    with PatientClient(create_app(own_settings(tmp_path_factory.mktemp("kept")))) as client:
-        yield client
 
 
 def post(client, path, request):

@@ -5,10 +5,8 @@ import re
 
 import pytest
 from api_document import api_document
-from databases import own_settings
-from waiting import PatientClient, eventually
+from waiting import eventually
 
-from app.http.app import create_app
 from app.ids import new_id
 from app.requests.examples import LAS_VEGAS
 
@@ -25,13 +23,6 @@ PARAMETERS = [
     if parameter["in"] == "query"
 ]
 NEEDED = {path: f"{name}=a&" for path, _, name, is_needed in PARAMETERS if is_needed}
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    settings = own_settings(tmp_path_factory.mktemp("query"))
-    with PatientClient(create_app(settings), raise_server_exceptions=False) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

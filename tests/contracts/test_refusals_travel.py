@@ -9,14 +9,11 @@ from typing import ClassVar, get_origin
 
 import pytest
 from child_work import refuse_by, refuse_unread
-from databases import own_settings
 from refusal_cases import request
 from refusal_kinds import every_refusal
-from waiting import PatientClient
 
 from app.answers.problem import problem_of
 from app.cli.service import RefusedThere
-from app.http.app import create_app
 from app.http.routes import search_routes
 from app.jobs.child import Bounds
 from app.jobs.kinds import JOB_KINDS, PLAN
@@ -92,12 +89,6 @@ def test_every_refusal_comes_out_of_a_child_whole(kind):
     with pytest.raises(kind) as caught:
         run_in_worker(BOUNDS, refuse_by, went)
     assert_same(caught.value, went)
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    with PatientClient(create_app(own_settings(tmp_path_factory.mktemp("data")))) as client:
-        yield client
 
 
 def test_what_a_child_can_not_read_is_no_bug_over_http(client, monkeypatch):

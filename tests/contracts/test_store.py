@@ -11,7 +11,7 @@ import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from child_work import made
-from databases import empty_database, fresh_database
+from databases import empty_database
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -33,12 +33,6 @@ from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput
 
 KINDS, NOTE = ("note",), TRIED["note"]
-
-
-@pytest.fixture
-def database(tmp_path):
-    with fresh_database(tmp_path) as database:
-        yield database
 
 
 def accepted(database, tmp_path, lease_s=None, **members):

@@ -6,11 +6,8 @@ from collections.abc import Callable, Iterator
 from copy import deepcopy
 
 import pytest
-from databases import own_settings
-from fastapi.testclient import TestClient
 
 from app.answers.problem import problem_of
-from app.http.app import create_app
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import (
     CAMPAIGN_EXAMPLES,
@@ -164,14 +161,6 @@ def test_a_refusal_is_cut_where_it_is_made():
     assert len(quoted.detail) < 2 * MOST
     assert quoted.detail.endswith("...'; isn't that so?")
     assert len(quoted.field) <= MOST + len("...")
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("text")
-    settings = own_settings(folder)
-    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
-        yield client
 
 
 @pytest.mark.parametrize("text", ["%00", "a%E2%80%AEb", "%0A", "x" * (MOST + 1)])
