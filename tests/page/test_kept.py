@@ -32,9 +32,8 @@ def test_plans_are_found_and_two_revisions_compared(open_page, plans):
     expect(page.get_by_role("row", name="Platform")).not_to_contain_text("differs")
     assert violations(page) == []
 
-
-def test_any_two_are_chosen_to_compare(open_page, plans):
-    page = open_page("/plans")
+    # Any two are chosen to compare.
+    page.goto("/plans")
     page.get_by_label("Search").fill("vegas, kept")
     boxes = page.get_by_role("checkbox", name="Choose Vegas, kept")
     expect(boxes).to_have_count(2)

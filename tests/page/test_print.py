@@ -44,7 +44,9 @@ def pages_of(pdf):
     [("one", "en-GB", "dark"), ("several", "en-GB", "light"), ("several", "ru-RU", "dark")],
 )
 def test_a_plan_is_printed_on_one_page(open_page, plans, name, language, theme):
-    page = open_page(f"/plans/{plans[name]}", locale=language, color_scheme=theme, globe=True)
+    page = open_page(
+        f"/plans/{plans[name]}", locale=language, color_scheme=theme, globe=name == "one"
+    )
     expect(page.locator(".look-charts canvas").first).to_be_visible()
     verdict = page.get_by_test_id("verdict").inner_text()
     # The pictures are drawn for paper only, when the browser says that it prints.
