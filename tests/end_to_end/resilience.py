@@ -7,8 +7,8 @@ Then the database is audited: the campaign is there once and done; every pass ha
 every plan that is done is stored once and ended once; no look is lost: each is in a last plan or
 told as left out.
 
-    OMP_NUM_THREADS=1 python tests/end_to_end/resilience.py [--rounds 20] [--targets 200]
-        [--days 0.5] [--kills 3] [--cluster] [--seed 1]
+    OMP_NUM_THREADS=1 PYTHONPATH=tests python tests/end_to_end/resilience.py [--rounds 20]
+        [--targets 200] [--days 0.5] [--kills 3] [--cluster] [--seed 1]
         [--database postgresql+psycopg://USER@HOST/NAME]
 
 The database must be this script's own.
@@ -16,7 +16,6 @@ The database must be this script's own.
 
 import argparse
 import contextlib
-import http.client
 import json
 import os
 import random
@@ -26,8 +25,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import urllib.error
-import urllib.request
 import zlib
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
@@ -35,12 +32,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import httpx2 as httpx
+from live_service import children_of
+from waiting import PATIENCE_S, alive, eventually
+
 from app.store import events, jobs, results
 from app.store.database import Database, open_database
 
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
-PATIENCE_S = 240.0
 
 
 def main() -> None:
@@ -97,10 +97,8 @@ class House:
     def start(self) -> None:
         if self.cluster:
             self._run("scheduler")
-            while not (found := self._told("scheduler", r"Scheduler at: +(tcp://\S+)")):
-                assert self.running["scheduler"].poll() is None, "the scheduler did not start"
-                time.sleep(0.1)
-            self.scheduler = found
+            said = r"Scheduler at: +(tcp://\S+)"
+            self.scheduler = eventually(lambda: self._told("scheduler", said))
             self._run("worker 0")
             self._run("worker 1")
         self._run("service")
@@ -138,7 +136,7 @@ class House:
         kind = rng.choice(kinds)
         if kind == "child":
             holders = [one for name, one in self.running.items() if name != "scheduler"]
-            children = [pid for holder in holders for pid in _grandchildren(holder.pid)]
+            children = [pid for holder in holders for pid in children_of(holder.pid)]
             if not children:
                 return None
             with contextlib.suppress(ProcessLookupError):
@@ -149,13 +147,10 @@ class House:
 
     def kill(self, name: str) -> None:
         """Its children end by themselves; then it is started again."""
-        orphans = _grandchildren(self.running[name].pid)
+        orphans = children_of(self.running[name].pid)
         self.running[name].kill()
         self.running[name].wait()
-        until_s = time.monotonic() + PATIENCE_S
-        while any(map(_is_at_work, orphans)):
-            assert time.monotonic() < until_s, f"children outlive the {name}"
-            time.sleep(0.1)
+        eventually(lambda: not any(map(alive, orphans)))
         self._run(name)
 
     def end(self) -> None:
@@ -166,19 +161,17 @@ class House:
 
     def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Any:
         """The answer's JSON; tried again while the service is down."""
-        until_s = time.monotonic() + PATIENCE_S
-        while True:
+
+        def answered() -> httpx.Response | None:
             address = self._told("service", r"running on (http://[\d.:]+)")
-            try:
-                request = urllib.request.Request(address + path, body, headers, method=method)
-                with urllib.request.urlopen(request, timeout=30) as answer:
-                    return json.load(answer)
-            except urllib.error.HTTPError as error:
-                raise RuntimeError(f"{error.code}: {error.read()[:500]!r}") from error
-            except (OSError, ValueError, http.client.HTTPException):
-                if time.monotonic() > until_s:
-                    raise
-                time.sleep(0.2)
+            with contextlib.suppress(httpx.TransportError):
+                given = {"content": body, "headers": headers, "timeout": 30.0}
+                return httpx.request(method, address + path, **given)
+            return None
+
+        answer = eventually(answered)
+        assert answer.is_success, answer.text[:500]
+        return answer.json()
 
     @contextlib.contextmanager
     def database(self) -> Any:
@@ -291,28 +284,6 @@ def campaign_body(targets: int, days: float, number: int) -> bytes:
         "conditions": {"min_elevation_deg": 30.0},
     }
     return json.dumps(asked).encode()
-
-
-def _grandchildren(pid: int) -> list[int]:
-    """Processes that the forkservers below a process have made."""
-    return [grandchild for child in _children(pid) for grandchild in _children(child)]
-
-
-def _is_at_work(pid: int) -> bool:
-    """Whether it is more than an entry that nobody has read yet."""
-    try:
-        return "State:\tZ" not in Path(f"/proc/{pid}/status").read_text()
-    except OSError:
-        return False
-
-
-def _children(pid: int) -> list[int]:
-    try:
-        tasks = list(Path(f"/proc/{pid}/task").iterdir())
-        texts = [(task / "children").read_text() for task in tasks]
-    except OSError:
-        return []
-    return [int(child) for text in texts for child in text.split()]
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ def test_kill_9_in_the_middle_of_a_campaign_loses_and_doubles_nothing():
     done = subprocess.run(
         [sys.executable, str(Path(__file__).with_name("resilience.py")), *small, *database],
         cwd=ROOT,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=os.environ | {"PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"},
         capture_output=True,
         text=True,
         timeout=580,
