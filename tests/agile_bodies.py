@@ -1,77 +1,24 @@
-"""A small satellite that turns as a whole, as its operator writes it down."""
+"""The small satellite that turns as a whole, as its operator writes it down, with a radiator."""
 
 import json
 
+from pydantic import TypeAdapter
+
 from app.requests.json_reader import JsonReader
 from planner.world.platforms.body import BodyPlatform
+from planner.world.platforms.smallsat_120kg import SMALLSAT_120KG
 
-SMALLSAT = {
-    "kind": "body",
-    "name": "smallsat-120kg",
-    "agility": {
-        "limits": "magnitude",
-        "rate_max_deg_s": 1.5,
-        "acceleration_max_deg_s2": 0.12,
-        "jerk_max_deg_s3": 0.06,
-        "settle_s": 4.0,
-    },
-    "off_nadir_max_deg": 40.0,
-    "roll": {"rule": "lines_across_motion"},
-    "idle": {"law": "sun", "direction_body": [0.0, 0.0, -1.0]},
-    "inertia_kg_m2": [[11.0, 0.1, 0.0], [0.1, 13.0, 0.0], [0.0, 0.0, 9.0]],
-    "torque_max_n_m": 0.03,
-    "camera": {
-        "type": "pushbroom",
-        "boresight_body": [0.0, 0.0, 1.0],
-        "line_body": [0.0, 1.0, 0.0],
-        "pixel_arcsec": 0.275,
-        "pixels": 8192,
-        "tdi_lines": 64,
-        "both_ways": False,
-        "line_rate_max_hz": 12000.0,
-    },
-    "knowledge": {
-        "sigma_arcsec": 15.0,
-        "control_sigma_arcsec": 10.0,
-        "jitter_arcsec": 0.3,
-        "correlation_s": 20.0,
-    },
-    "star_trackers": {
-        "needed": 1,
-        "each": [
-            {
-                "name": "st1",
-                "boresight_body": [0.5, -0.6, -0.6245],
-                "sun_deg": 35.0,
-                "moon_deg": 10.0,
-                "limb_deg": 22.0,
-            },
-            {
-                "name": "st2",
-                "boresight_body": [-0.5, -0.6, -0.6245],
-                "sun_deg": 35.0,
-                "moon_deg": 10.0,
-                "limb_deg": 22.0,
-            },
-        ],
-    },
-    "exclusions": [
-        {"name": "camera Sun", "of": "camera", "away_from": "sun", "min_deg": 30.0},
-        {
-            "name": "radiator",
-            "direction_body": [0.0, 1.0, 0.0],
-            "away_from": "sun",
-            "min_deg": 60.0,
-            "when": "always",
-        },
-        {
-            "name": "glint",
-            "of": "camera",
-            "away_from": "glint",
-            "min_deg": 8.0,
-            "when": "imaging",
-        },
-    ],
+_SHIPPED = TypeAdapter(BodyPlatform).dump_python(SMALLSAT_120KG, mode="json", exclude_none=True)
+_RADIATOR = {
+    "name": "radiator",
+    "direction_body": [0.0, 1.0, 0.0],
+    "away_from": "sun",
+    "min_deg": 60.0,
+    "when": "always",
+}
+SMALLSAT = _SHIPPED | {
+    "knowledge": _SHIPPED["knowledge"] | {"correlation_s": 20.0},
+    "exclusions": [_SHIPPED["exclusions"][0], _RADIATOR, _SHIPPED["exclusions"][1]],
 }
 
 GYROS = {
