@@ -4,7 +4,7 @@ Real OCO-3 targets and seeded ones beyond 559, the ISS, elevation of 30 deg, loo
 40 s, priorities 1 to 5.  Compared: the choice, its bound, taking pass after pass whatever is
 best there (greedy), and what planners do by hand: by priority, the first window that is left.
 
-    OMP_NUM_THREADS=1 python bench/campaign.py [--targets 200] [--days 1] [--step 2] [--plan 3]
+    OMP_NUM_THREADS=1 python bench/campaign.py [--targets 200] [--days 1] [--step 2]
         [--sun 10] [--ground-sample 0] [--platform smallsat-120kg]
 
 --sun: least elevation of the Sun.  --ground-sample: its weight in what a look is worth; without
@@ -28,7 +28,6 @@ from planner.planning.campaigns import (
     CampaignTarget,
     ViewWeights,
     choose_campaign,
-    scenario_of,
 )
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
 from planner.world.frames.time_scales import elapsed_s
@@ -46,7 +45,6 @@ def main() -> None:
     parser.add_argument("--days", type=float, default=1.0)
     parser.add_argument("--step", type=float, default=2.0)
     parser.add_argument("--looks", type=int, default=1)
-    parser.add_argument("--plan", type=int, default=0, help="plan so many of the passes")
     parser.add_argument("--sun", type=float, help="deg, the Sun's least elevation")
     parser.add_argument("--ground-sample", type=float, default=1.0, help="its weight")
     parser.add_argument("--platform", choices=[*PLATFORMS, *BODIES], default="iss-hrc")
@@ -92,18 +90,6 @@ def main() -> None:
         f"{centred} are centred within 2.5 s on the highest elevation"
     )
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
-    if asked.plan:
-        from planner.planning.sessions.pipeline import make_plan
-    planned = 0
-    for number, flight in enumerate(campaign.passes[: asked.plan]):
-        began_s = time.process_time()
-        plan = make_plan(scenario_of(request, flight, number))
-        planned += len(flight.looks)
-        losses = [warning for warning in plan.warnings if "than asked" in warning]
-        print(
-            f"  pass {number}: {len(flight.looks)} looks planned in "
-            f"{time.process_time() - began_s:.2f} s, {losses}"
-        )
 
 
 def single_looks(request: CampaignRequest, campaign: Campaign) -> tuple[int, int, int]:
