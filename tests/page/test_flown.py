@@ -89,18 +89,6 @@ def telemetry(service, plan: str, ahead_s: float) -> bytes:
     return "\n".join(lines).encode()
 
 
-def test_telemetry_is_compared_with_its_plan(open_page, service, plan, tmp_path):
-    file = tmp_path / "flight.csv"
-    file.write_bytes(telemetry(service, plan, 0.37))
-    page = open_page(f"/telemetry?plan={plan}")
-    page.get_by_label("Telemetry, CSV").set_input_files(str(file))
-    page.get_by_role("button", name="Compare").click()
-    expect(page.get_by_test_id("comparison")).to_contain_text("0.3700")
-    expect(page.get_by_role("img", name="alpha, planned and flown")).to_be_visible()
-    expect(page.get_by_text("left out: no_time")).to_be_visible()
-    assert violations(page) == []
-
-
 def test_columns_of_other_names_are_mapped_by_hand(open_page, service, plan, tmp_path):
     file = tmp_path / "flight.csv"
     content = telemetry(service, plan, 0.37).decode()

@@ -368,25 +368,24 @@ def test_the_form_by_keyboard(form):
     expect(form.get_by_label("Begins where a plan ends")).to_be_visible()
 
 
-@pytest.mark.parametrize("locale", ["en-GB", "ru-RU"])
-def test_everything_unfolded_fits_a_phone_in_both_languages(open_page, locale):
-    page = open_page(viewport=PHONE, locale=locale)
+def test_everything_unfolded_fits_a_phone_in_the_longer_words_of_russian(open_page):
+    page = open_page(viewport=PHONE, locale="ru-RU")
     expect(page.get_by_role("slider").first).to_be_visible()
     page.get_by_role("region").locator("select").first.wait_for(state="attached")
     unfold = "() => document.querySelectorAll('details').forEach(box => { box.open = true; })"
     for _ in range(4):
         page.evaluate(unfold)
-    add = page.locator('button[aria-label^="Add: "], button[aria-label^="Добавить: "]')
+    add = page.locator('button[aria-label^="Добавить: "]')
+    assert add.count() > 5
     for number in range(add.count()):
         add.nth(number).evaluate("button => button.click()")
     page.evaluate(unfold)
     fit_a_phone(page)
     assert violations(page) == []
-    if locale == "ru-RU":
-        words = page.locator(".ask-form :is(label, legend, summary b, .hint)").all_inner_texts()
-        names = re.compile(r"^([\W\d]*|(alpha|beta)(, °.*)?|CCSDS AEM)$")
-        english = {word for word in words if not CYRILLIC.search(word) and not names.match(word)}
-        assert english == set()
+    words = page.locator(".ask-form :is(label, legend, summary b, .hint)").all_inner_texts()
+    names = re.compile(r"^([\W\d]*|(alpha|beta)(, °.*)?|CCSDS AEM)$")
+    english = {word for word in words if not CYRILLIC.search(word) and not names.match(word)}
+    assert english == set()
 
 
 def test_a_spacecraft_that_turns_as_a_whole_is_planned_by_name_and_written_out(open_page):

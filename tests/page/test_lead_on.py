@@ -93,6 +93,8 @@ def test_the_flight_is_a_chart_with_a_cursor_and_files(open_page, service, plan,
     page = open_page(f"/telemetry?plan={plan}")
     page.get_by_label("Telemetry, CSV").set_input_files(str(file))
     page.get_by_role("button", name="Compare", exact=True).click()
+    expect(page.get_by_role("img", name="alpha, planned and flown")).to_be_visible()
+    expect(page.get_by_text("left out: no_time")).to_be_visible()
     flight = page.get_by_role("region", name="Plan and flight over time")
     now = flight.get_by_test_id("flight-now")
     expect(now).to_contain_text("alpha: flown 0.0000°")

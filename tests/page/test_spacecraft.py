@@ -30,7 +30,7 @@ def planned(page):
     page.wait_for_url(re.compile(r"/spacecraft/plans/[0-9a-z-]+$"))
 
 
-def test_a_kept_session_is_shown_with_what_is_left_out(open_page, session):
+def test_a_kept_session_is_shown_with_what_is_left_out_and_taken_away(open_page, session):
     page = open_page(f"/spacecraft/plans/{session['id']}")
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
     expect(page.get_by_test_id("session-imaged")).to_contain_text("4 of 5 requests imaged")
@@ -44,29 +44,19 @@ def test_a_kept_session_is_shown_with_what_is_left_out(open_page, session):
         expect(page.get_by_role("img", name=f"{chart} over time")).to_be_visible()
     expect(page.get_by_role("img", name="Rate error while imaging")).to_be_visible()
     assert violations(page) == []
-    page.set_viewport_size(PHONE)
-    fit_a_phone(page)
-
-
-def test_time_moves_the_momentum_as_it_moves_every_plan(open_page, session):
-    page = open_page(f"/spacecraft/plans/{session['id']}")
+    # Time moves the momentum as it moves every plan.
     sphere = page.get_by_role("region", name="Momentum of the gyros")
     before = sphere.locator(".mono").inner_text()
     page.get_by_role("button", name="Closer look: strip").first.click()
     expect(sphere.locator(".mono")).not_to_have_text(before)
-    way = sphere.locator(".sphere-off").get_attribute("d")
-    sphere.get_by_role("application").press("ArrowLeft")
-    expect(sphere.locator(".sphere-off")).not_to_have_attribute("d", way)
-
-
-def test_what_is_taken_away_is_asked_for_as_a_session(open_page, session):
-    page = open_page(f"/spacecraft/plans/{session['id']}")
     with page.expect_download() as download:
         page.get_by_role("button", name="CCSDS AEM, payload's attitude", exact=True).click()
     assert Path(download.value.path()).read_bytes().startswith(b"CCSDS_AEM_VERS")
     taken = page.get_by_role("region", name="Take away")
     expect(taken).to_contain_text(f"/spacecraft/plans/{session['id']}")
     expect(taken).to_contain_text("client.spacecraft.plan(REQUEST)")
+    page.set_viewport_size(PHONE)
+    fit_a_phone(page)
     page.get_by_role("link", name="Fly it").click()
     expect(page).to_have_url(re.compile(rf"/flights\?plan={session['id']}"))
 
