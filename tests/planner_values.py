@@ -8,6 +8,7 @@ from planner.inflight.telemetry.compare import compare as compare_samples
 from planner.inflight.telemetry.platforms.registry import sensors_of
 from planner.inflight.telemetry.samples import read_csv
 from planner.planning import opportunities
+from planner.planning.campaigns import scenario_of
 from planner.planning.sessions.pipeline import make_plan
 
 
@@ -24,6 +25,14 @@ def plan_of(request):
     """A Plan; request: JSON, or what `read_request` made of it."""
     is_read = not isinstance(request, bytes | dict)
     return make_plan(request if is_read else read_request(request))
+
+
+def planned_passes(request, campaign):
+    """Each pass of a campaign with its plan, which its judge has passed."""
+    for number, flight in enumerate(campaign.passes):
+        plan = make_plan(scenario_of(request, flight, number))
+        assert plan.verification.passed
+        yield flight, plan
 
 
 def find_opportunities(request):

@@ -7,11 +7,11 @@ import itertools
 import json
 import re
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from export_cases import CREATED_UTC, EPOCH_UTC, ISS, LAS_VEGAS, state_vector
 from scipy.io import netcdf_file
 
 from app.answers.view import view_json
@@ -23,17 +23,12 @@ from planner.output.view import view_plan
 from planner.output.view.netcdf import write_view_netcdf
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import Instants, shifted_utc
-from planner.world.orbits import OemOrbit, StateVectorOrbit, TleOrbit
+from planner.world.orbits import OemOrbit
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import InitialState, Scenario, Session
 from planner.world.targets import BenchMotionTarget, BodyTarget, GroundTarget
 from planner.world.targets.axis_signals import ConstantRate
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"
-TLE = TleOrbit(**json.loads(EXAMPLE.read_text())["orbit"])
-EPOCH_UTC = datetime(2015, 2, 27, 17, 36, tzinfo=UTC)
-CREATED_UTC = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
-LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
 EVERY = pytest.mark.parametrize("name", EXPORTERS)
 DRAWN = [name for name, exporter in EXPORTERS.items() if exporter.shows]
 
@@ -41,7 +36,7 @@ DRAWN = [name for name, exporter in EXPORTERS.items() if exporter.shows]
 def plan_of(
     epoch_utc=EPOCH_UTC,
     *,
-    orbit=TLE,
+    orbit=ISS,
     target=LAS_VEGAS,
     name="any",
     outer="alpha",
@@ -69,16 +64,6 @@ def plan_of(
             position=np.tile([outer_rad, 0.0], (len(t_s), 1)),
             rate_rad_s=np.zeros((len(t_s), 2)),
         ),
-    )
-
-
-def state_vector(epoch_utc):
-    return StateVectorOrbit(
-        frame="GCRF",
-        epoch=epoch_utc,
-        position_km=(2916.7, -4925.4, 3616.8),
-        velocity_km_s=(3.4383, 5.2748, 4.3946),
-        force_model="j2j4",
     )
 
 

@@ -5,11 +5,11 @@ import json
 import other_body
 import pytest
 from other_body import Flown, written
+from test_http_telemetry import COMPARISONS, upload
 from typer.testing import CliRunner
 
 from app.cli.command import main
 
-COMPARISONS = "/v1/telemetry/comparisons"
 REQUEST = other_body.body_request(sessions=1)
 
 
@@ -24,12 +24,6 @@ def plan(client):
 def content(client, plan):
     columns = client.get(f"/v1/plans/{plan['id']}/table?format=json").json()
     return written(columns, Flown(wander_arcsec=20.0, half_life_s=2.0), 1, "wxyz of body_from_eci")
-
-
-def upload(client, plan, content, query="", **head):
-    request = json.dumps({"plan": plan["id"], **head})
-    parts = {"samples": ("telemetry.csv", content, "text/csv")}
-    return client.post(COMPARISONS + query, data={"request": request}, files=parts)
 
 
 @pytest.fixture(scope="module")

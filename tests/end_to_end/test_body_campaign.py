@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from agile_bodies import smallsat
+from planner_values import planned_passes
 from scipy.spatial.transform import Rotation
 from test_body_plans import SMALLSAT
 
@@ -50,9 +51,7 @@ def test_looks_are_chosen_within_their_bound(chosen):
 
 def test_passes_are_planned_from_idle_to_idle_without_a_look_lost(chosen):
     request, campaign = chosen
-    for number, flight in enumerate(campaign.passes):
-        plan = make_plan(scenario_of(request, flight, number))
-        assert plan.verification.passed
+    for flight, plan in planned_passes(request, campaign):
         assert len(plan.scenario.sessions) == len(flight.looks)
         for look, session in zip(flight.looks, plan.scenario.sessions, strict=True):
             assert abs(elapsed_s(session.start, look.start_utc)) <= 1.0
@@ -86,9 +85,7 @@ def test_looks_keep_directions_and_are_planned(chosen, of_body, kept):
     )
     campaign, most = choose_campaign(request), choose_campaign(free).value
     assert 0.0 < campaign.value < most
-    for number, flight in enumerate(campaign.passes):
-        plan = make_plan(scenario_of(request, flight, number))
-        assert plan.verification.passed
+    for flight, plan in planned_passes(request, campaign):
         assert len(plan.scenario.sessions) >= len(flight.looks)
 
 
@@ -144,9 +141,7 @@ def test_star_trackers_are_known_at_the_roll_that_looks_before_leave(monkeypatch
     )
     request = replace(request, platform=body)
     known = choose_campaign(request)
-    for number, flight in enumerate(known.passes):
-        plan = make_plan(scenario_of(request, flight, number))
-        assert plan.verification.passed
+    for flight, plan in planned_passes(request, known):
         assert len(plan.scenario.sessions) == len(flight.looks)
     with monkeypatch.context() as unknown:
         unknown.setattr(BodyFollower, "first_unheld", lambda *given: None)
@@ -167,9 +162,7 @@ def test_looks_are_planned_by_a_roll_of_their_own(chosen):
     request = replace(chosen[0], targets=targets)
     campaign = choose_campaign(request)
     assert len(campaign.passes) > 0
-    for number, flight in enumerate(campaign.passes):
-        plan = make_plan(scenario_of(request, flight, number))
-        assert plan.verification.passed
+    for flight, plan in planned_passes(request, campaign):
         assert [one.id for one in plan.scenario.sessions] == [one.target for one in flight.looks]
         assert {one.roll for one in plan.scenario.sessions} == {roll}
 
@@ -191,9 +184,7 @@ def test_contacts_are_chosen_beside_looks(kind):
     assert [look.value for look in contacts] == pytest.approx([1.0] * len(contacts))
     assert min(np.rad2deg(look.elevation_rad) for look in contacts) < 10.0
     assert {look.target for look in looks} == {one["id"] for one in targets}
-    for number, flight in enumerate(campaign.passes):
-        plan = make_plan(scenario_of(request, flight, number))
-        assert plan.verification.passed
+    for flight, plan in planned_passes(request, campaign):
         sent = [one for one in plan.scenario.sessions if one.target.mode == "station"]
         assert len(sent) == sum(look in contacts for look in flight.looks)
 
@@ -217,9 +208,7 @@ def test_looks_of_hours_are_chosen_and_planned(kind):
     assert campaign.passes
     assert {one.closed_by for one in campaign.unseen} <= {"motion"}  # an axis at its stop
     assert campaign.value == pytest.approx(2.0 - len(campaign.unseen))
-    for number, flight in enumerate(campaign.passes):
-        plan = make_plan(scenario_of(request, flight, number))
-        assert plan.verification.passed
+    for flight, plan in planned_passes(request, campaign):
         assert plan.table.t_s[-1] <= 21_600.0
         look = flight.looks[0]
         assert plan.scenario.sessions[0].id == look.target

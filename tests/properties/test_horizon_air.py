@@ -10,16 +10,9 @@ import numpy as np
 import pytest
 from horizon_air import CONDITIONS, cases
 from limb_frames import lowest_points
+from test_horizon_estimate import FOUR_SIGMA, normalised2
 
 from estimator.pipeline import estimate_vertical
-
-# Chi-square of two degrees of freedom, one in 10,000.
-FOUR_SIGMA = 18.4
-
-
-def normalised2(nadir, truth):
-    off = nadir.axes_body @ (nadir.nadir_body - truth)
-    return float(off @ np.linalg.solve(nadir.covariance_rad2, off))
 
 
 @pytest.fixture(scope="module", params=["drawn_2", "tropical", "after_eruption"])
