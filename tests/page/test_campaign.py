@@ -173,13 +173,6 @@ def test_places_that_were_taken_for_names_are_told(open_page, service):
     assert violations(page) == []
 
 
-def test_a_pass_leads_to_its_plan(open_page, campaign):
-    page = open_page(f"/campaigns/{campaign['id']}")
-    page.get_by_role("link", name="Plan of pass 1").click()
-    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
-    assert page.url.endswith(campaign["passes"][0]["plan"])
-
-
 def test_targets_of_a_file_are_asked_for_and_their_progress_is_shown(open_page, tmp_path):
     file = tmp_path / "towns.csv"
     file.write_text(
@@ -223,6 +216,18 @@ def test_targets_are_added_weighed_and_removed_in_place(open_page):
     assert (known["Ljubljana"]["priority"], known["Ljubljana"]["session_s"]) == (7, 25)
     assert "Boston" not in known
     assert violations(page) == []
+    # Conditions stand beside the time.
+    page.get_by_label("Least elevation, °").fill("40")
+    page.get_by_label("Least Sun elevation, °").fill("")
+    page.get_by_label("Greatest off-nadir angle, °").fill("45")
+    page.get_by_label("Days").fill("2")
+    page.get_by_label("Days").press("Tab")
+    page.get_by_label("Platform", exact=True).select_option("smallsat-120kg")
+    whole = json.loads(asked.input_value())
+    assert whole["conditions"] == {"min_elevation_deg": 40, "max_off_nadir_deg": 45}
+    assert whole["stop"] == "2015-03-01T12:00:00Z"
+    assert whole["platform"] == "smallsat-120kg"
+    assert "attitude" not in whole  # of a carrier of axes
 
 
 def test_imaging_modes_have_no_length_and_are_kept_as_they_are(open_page):
@@ -237,13 +242,7 @@ def test_imaging_modes_have_no_length_and_are_kept_as_they_are(open_page):
     page.get_by_label("Priority of area").press("Tab")
     modes["targets"][3]["priority"] = 3
     assert json.loads(asked.input_value()) == modes
-    assert violations(page) == []
-
-
-def test_a_mode_is_drawn_on_the_map_and_turned_by_a_roll_of_its_own(open_page):
-    page = open_page("/campaigns")
-    asked = page.get_by_label("Request as JSON")
-    asked.fill((ROOT / "examples/campaign_modes.json").read_text())
+    # One more is drawn on the map, and turned by a roll of its own.
     expect(page.locator(".map .asked-shape")).to_have_count(4)
     page.get_by_label("Corridor", exact=True).check()
     world = page.get_by_role("application", name="Map: arrows move the cross")
@@ -261,21 +260,6 @@ def test_a_mode_is_drawn_on_the_map_and_turned_by_a_roll_of_its_own(open_page):
     assert drawn["roll"]["rule"] == "azimuth"
     assert "session_s" not in drawn
     assert violations(page) == []
-
-
-def test_conditions_stand_beside_the_time(open_page):
-    page = open_page("/campaigns")
-    page.get_by_label("Least elevation, °").fill("40")
-    page.get_by_label("Least Sun elevation, °").fill("")
-    page.get_by_label("Greatest off-nadir angle, °").fill("45")
-    page.get_by_label("Days").fill("2")
-    page.get_by_label("Days").press("Tab")
-    page.get_by_label("Platform", exact=True).select_option("smallsat-120kg")
-    asked = json.loads(page.get_by_label("Request as JSON").input_value())
-    assert asked["conditions"] == {"min_elevation_deg": 40, "max_off_nadir_deg": 45}
-    assert asked["stop"] == "2015-03-01T12:00:00Z"
-    assert asked["platform"] == "smallsat-120kg"
-    assert "attitude" not in asked  # of a carrier of axes
 
 
 def test_names_that_may_mean_several_places_are_resolved_in_their_rows(open_page):
@@ -303,7 +287,7 @@ def row_of(page, name):
     return page.locator(".targets tr").filter(has_text=name)
 
 
-def test_looks_and_plans_are_taken_away(open_page, campaign):
+def test_looks_and_plans_are_taken_away_and_a_pass_leads_to_its_plan(open_page, campaign):
     page = open_page(f"/campaigns/{campaign['id']}")
     looks = [look["target"] for one in campaign["passes"] for look in one["looks"]]
     files = {}
@@ -318,6 +302,9 @@ def test_looks_and_plans_are_taken_away(open_page, campaign):
     with zipfile.ZipFile(files[".zip"]) as archive:
         numbers = range(1, len(campaign["passes"]) + 1)
         assert {f"pass-{number}.csv" for number in numbers} <= set(archive.namelist())
+    page.get_by_role("link", name="Plan of pass 1").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    assert page.url.endswith(campaign["passes"][0]["plan"])
 
 
 def test_a_file_without_targets_is_told_by_its_line(open_page, tmp_path):
@@ -327,6 +314,12 @@ def test_a_file_without_targets_is_told_by_its_line(open_page, tmp_path):
     page.get_by_label("Choose a file of targets").set_input_files(file)
     expect(page.get_by_role("alert")).to_contain_text("line 3: latitude_deg")
     expect(page.get_by_role("rowheader", name="Las Vegas")).to_be_visible()
+    # A refusal names its field, and nothing typed is lost.
+    wrong = EXAMPLE | {"step_s": 0.5}
+    page.get_by_label("Request as JSON").fill(json.dumps(wrong))
+    page.get_by_role("button", name="Choose the looks").click()
+    expect(page.get_by_role("alert").last).to_contain_text("step_s")
+    assert json.loads(page.get_by_label("Request as JSON").input_value()) == wrong
 
 
 def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, service):
@@ -336,15 +329,6 @@ def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, serv
     assert violations(page) == []
     page.get_by_role("link", name="Change the request").click()
     expect(page.get_by_role("heading", name="Targets 630")).to_be_visible()
-
-
-def test_a_refusal_names_its_field_and_nothing_typed_is_lost(open_page):
-    page = open_page("/campaigns")
-    wrong = EXAMPLE | {"step_s": 0.5}
-    page.get_by_label("Request as JSON").fill(json.dumps(wrong))
-    page.get_by_role("button", name="Choose the looks").click()
-    expect(page.get_by_role("alert")).to_contain_text("step_s")
-    assert json.loads(page.get_by_label("Request as JSON").input_value()) == wrong
 
 
 def test_every_printed_page_says_which_campaign_it_is_of(open_page, campaign):
