@@ -44,7 +44,7 @@ from planner.planning.campaigns.choice import (
     choose,
     refill,
 )
-from planner.planning.campaigns.displaced import displaced_by
+from planner.planning.campaigns.displaced import Exchanged, displaced_by
 from planner.planning.campaigns.network import NEVER, Network, edges_between
 from planner.planning.campaigns.path import Look, Worth
 from planner.world.frames.earth_orientation import c_itrf_from_eci
@@ -500,10 +500,13 @@ def _print_left_out(case: Case, passes: Sequence[Pass], chosen: Passes) -> None:
     taken = {look.target for looks in chosen for look in looks}
     seen = {target for one in passes for target in one.network.target.tolist()}
     left = np.array(sorted(seen - taken), np.intp)
-    networks = [one.network for one in passes]
     worth = Worth(tasks.steps[:, None], tasks.weight[:, None], np.zeros(len(tasks.ids)))
-    found = displaced_by(networks, chosen, lambda _: worth, left)
-    costs = np.array([sum(look.value for look in one.by) - one.value for one in found])
+    exchanged = [
+        Exchanged(number, one.network, looks, worth)
+        for number, (one, looks) in enumerate(zip(passes, chosen, strict=True))
+    ]
+    found = displaced_by(exchanged, left)
+    costs = np.array([sum(look.value for look in one.by) - one.look.value for one in found])
     counts = [int(np.count_nonzero(costs <= most)) for most in (0.0, 0.5, 1.0, 2.0)]
     print(
         f"left out {len(tasks.ids) - len(taken)}: {len(tasks.ids) - len(seen)} never in reach, "

@@ -222,6 +222,93 @@ def test_no_subset_that_keeps_is_worth_more_than_the_bound(monkeypatch, carriers
         assert (one.lacks is None) == ("pass its limit" not in one.because)
 
 
+def gains_with(kept, target):
+    """What the choice gains by each path of a pass with this target, others as long as chosen, and
+    each set of looks left out beside it; whether all resources keep then."""
+    keeping, passes = kept["keeping"], kept["choice"].passes
+    for number, network in enumerate(kept["networks"]):
+        lengths = {(one.target, one.length) for one in passes[number]}
+        beside = [one for looks in (*passes[:number], *passes[number + 1 :]) for one in looks]
+        for value, looks in subsets(number, network, kept["looking"]):
+            others = {(one.target, one.length) for one in looks if one.target != target}
+            if len(others) == len(looks) or not others <= lengths:
+                continue
+            gained = value - sum(one.value for one in passes[number])
+            for count in range(len(beside) + 1):
+                for out in itertools.combinations(beside, count):
+                    gain = gained - sum(one.value for one in out)
+                    if gain > 1e-9:
+                        flown = [tuple(one for one in each if one not in out) for each in passes]
+                        flown[number] = looks
+                        yield gain, min(least_room(keeping, flown)) >= -1e-9
+
+
+@pytest.mark.parametrize(
+    ("places", "priorities", "days", "changes", "told"),
+    [
+        # displaced where the others stay as they are; where they move, only the resource is wanting
+        (
+            [4, 1, 9, 5, 0],
+            [3.0, 2.0, 1.21, 1.51, 1.01],
+            0.5,
+            {"resources": Resources(memory=replace(SENT, capacity_gbit=32.7)), **SMALLSAT},
+            {"memory"},
+        ),
+        (
+            [4, 2, 0, 3],
+            [1.5, 3.0, 3.02, 2.0],
+            1.0,
+            {"resources": Resources(battery=replace(BRIGHT, imaging_w=2150.0))},
+            {"battery", None},
+        ),
+        ([4, 0, 3], [1.5, 1.51, 2.0], 0.5, {"duty_cycle": (58.9, 60_000.0)}, {"duty_cycle"}),
+        (
+            [4, 2, 5, 6, 3, 0],
+            [3.0, 1.5, 1.51, 2.0, 1.2, 1.52],
+            0.5,
+            {"duty_cycle": (78.6, 3000.0)},
+            {"duty_cycle", None},
+        ),
+        # wheels hold too much with the best look, and not with a later one in another's place
+        (
+            [9, 4, 0, 3, 1],
+            [2.0, 1.0, 1.5, 1.51, 2.02],
+            0.7,
+            {
+                "resources": Resources(momentum=Momentum(
+                    capacity_n_m_s=(0.1853, 0.1853, 0.1853), unload_n_m=1.853e-4
+                )),
+                **SMALLSAT,
+            },
+            {None},
+        ),
+    ],
+)  # fmt: skip
+def test_what_a_target_is_left_out_for_holds_whatever_place_it_takes(
+    monkeypatch, places, priorities, days, changes, told
+):
+    """A resource, where some place is worth more than what it displaces, and no such one keeps;
+    others, where none is worth more, or else they are worth less than the look that is told."""
+    changes = dict(changes)
+    duty = changes.pop("duty_cycle", None)
+    request = request_for([(WEST + EUROPE)[n] for n in places], days, step_s=12.0, **changes)
+    if duty is not None:
+        duty = DutyCycle(imaging_max_s=duty[0], span_s=duty[1])
+        request = replace(request, conditions=replace(request.conditions, duty_cycle=duty))
+    targets = zip(request.targets, priorities, strict=True)
+    wanted = tuple(replace(one, priority=priority) for one, priority in targets)
+    campaign, kept = chosen(monkeypatch, replace(request, targets=wanted))
+    assert {one.lacks for one in campaign.left_out} == told
+    for one in campaign.left_out:
+        keeps = [keeps for _, keeps in gains_with(kept, one.row)]
+        if one.lacks is None:
+            assert not keeps or one.displaced_value < one.value
+        else:
+            assert keeps
+            assert not any(keeps)
+            assert "tried" not in one.because
+
+
 def earlier_looks(campaign, passes):
     """As an answer tells them to a revision."""
     return tuple(

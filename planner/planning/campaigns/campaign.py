@@ -8,7 +8,7 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Indices
 from planner.base.errors import figures
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.campaigns.candidates import LookCandidate, scan_roll
@@ -25,7 +25,7 @@ from planner.planning.campaigns.chosen import (
     UnchosenTarget,
     UnseenByAll,
 )
-from planner.planning.campaigns.displaced import Displaced, displaced_by
+from planner.planning.campaigns.displaced import Displaced, Exchanged, displaced_by, lacking
 from planner.planning.campaigns.fewer_looks import (
     KeptLooks,
     best_views,
@@ -39,7 +39,7 @@ from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.resources import Keeping, RunsOut
+from planner.planning.campaigns.resources import OPTIONS, Keeping
 from planner.planning.campaigns.revision import PassResources, RevisionFound
 from planner.planning.campaigns.stores import begun_with
 from planner.planning.opportunities.closing import Unseen
@@ -192,15 +192,12 @@ def choose_together(
     candidates = joined.candidates
     looked_at = {candidates[look.target].wanted.id for one in choice.passes for look in one}
     worth = joined.looking.less_prices(np.zeros(len(candidates)))
-    left_out = displaced_by(
-        networks,
-        choice.passes,
-        lambda number: looking.settled(worth, number),
-        np.array(
-            [n for n in sorted(joined.seen) if candidates[n].wanted.id not in looked_at], np.intp
-        ),
-    )
-    told = _left_out(joined, left_out, choice, keeping)
+    exchanged = [
+        Exchanged(number, network, looks, looking.settled(worth, number))
+        for number, (network, looks) in enumerate(zip(networks, choice.passes, strict=True))
+    ]
+    unchosen = [n for n in sorted(joined.seen) if candidates[n].wanted.id not in looked_at]
+    told = _left_out(joined, exchanged, np.array(unchosen, np.intp), keeping)
     known = looked_at.union(one.target for one in told)
     return Campaign(
         passes=_in_utc(joined, choice, keeping),
@@ -341,32 +338,33 @@ def _nearest(joined: Joined, rows: Mapping[str, Mapping[str, int]]) -> Mapping[s
 
 def _left_out(
     joined: Joined,
-    left_out: Sequence[Displaced],
-    choice: CampaignChoice,
+    exchanged: Sequence[Exchanged],
+    unchosen: Indices,
     keeping: Keeping | None,
 ) -> tuple[UnchosenTarget, ...]:
     """Of each target, by the scan of it that comes first."""
     group = joined.looking.group
     unseen = [n for n in range(len(joined.candidates)) if n not in joined.seen]
-    lacking = {int(group[n]) for n in unseen if joined.candidates[n].is_part}
+    partial = {int(group[n]) for n in unseen if joined.candidates[n].is_part}
     told: dict[str, UnchosenTarget] = {}
+    left_out = displaced_by(exchanged, unchosen)
+    tries = max(OPTIONS.looks_tried // max(len(left_out), 1), 1)
     for one in left_out:
-        candidate = joined.candidates[one.target]
-        if candidate.is_part and int(group[one.target]) in lacking:
+        candidate = joined.candidates[one.look.target]
+        if candidate.is_part and int(group[one.look.target]) in partial:
             continue
         if candidate.wanted.id not in told:
-            out = None if keeping is None else keeping.lacks(choice.passes, one)
-            told[candidate.wanted.id] = _unchosen(joined, one, unseen, out)
+            if keeping is not None:
+                one = lacking(one, exchanged, keeping, joined.first_unheld, tries)
+            told[candidate.wanted.id] = _unchosen(joined, one, unseen)
     return tuple(told[one] for one in joined.ids if one in told)
 
 
-def _unchosen(
-    joined: Joined, one: Displaced, unseen: Sequence[int], out: RunsOut | None
-) -> UnchosenTarget:
+def _unchosen(joined: Joined, one: Displaced, unseen: Sequence[int]) -> UnchosenTarget:
     candidates, looks = joined.candidates, joined.looks_at(one.pass_number)
-    candidate = candidates[one.target]
+    candidate, out = candidates[one.look.target], one.out
     request = looks.request
-    start_utc = shifted_utc(request.start, looks.grid_s + one.first_step * request.step_s)
+    start_utc = shifted_utc(request.start, looks.grid_s + one.look.first_step * request.step_s)
     group = candidate.wanted.group
     lacks = [
         candidates[number].wanted.id
@@ -381,6 +379,7 @@ def _unchosen(
         what = f"a scan of {candidate.scans[0].parts}" if candidate.is_part else what
         at_utc = utc_text(shifted_utc(request.start, out.at_s), 1)
         why = f"but {out.told} at {at_utc}, in the end by {figures(out.short_value)} {out.unit}"
+        why += f"; looks at it tried: {one.tried}" if one.tried else ""
     elif group is not None and lacks:
         why = f"but its group {group} lacks {', '.join(lacks)}"
     elif group is not None:
@@ -391,17 +390,17 @@ def _unchosen(
         why = "but no sequence with all of its scans was found that is worth more"
     elif ids:
         why = f"and what it displaces, {', '.join(ids)}, is worth {displaced_value:.4g}"
-    elif one.value <= 0.0:
+    elif one.look.value <= 0.0:
         why = "and no other view of it is worth more, as `view` weighs them"
     else:
         why = "but no sequence with it was found that is worth more"
     told = UnchosenTarget(
         row=candidate.row,
         target=candidate.wanted.id,
-        because=f"{what} from {utc_text(start_utc, 1)} would be worth {one.value:.4g}, {why}",
+        because=f"{what} from {utc_text(start_utc, 1)} would be worth {one.look.value:.4g}, {why}",
         start_utc=start_utc,
-        stop_utc=shifted_utc(start_utc, candidate.lengths_s[one.length]),
-        value=one.value,
+        stop_utc=shifted_utc(start_utc, candidate.lengths_s[one.look.length]),
+        value=one.look.value,
         displaced_by=ids,
         displaced_value=displaced_value,
         lacks=None if out is None else out.name,

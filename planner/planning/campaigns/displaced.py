@@ -1,7 +1,8 @@
 """Chosen observations that displace a target which got none."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -9,63 +10,140 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
+from planner.planning.campaigns.choice import OPTIONS, FirstUnheld, worth_of
 from planner.planning.campaigns.network import NEVER, Network
-from planner.planning.campaigns.path import Look, Worth, look_worth
+from planner.planning.campaigns.path import Look, Worth, best_path, look_worth
+from planner.planning.campaigns.resources import Keeping, RunsOut
 
 
 @dataclass(frozen=True, kw_only=True)
 class Displaced:
-    """The look a target (row of the request's) lost least by, had the others stayed as they are.
+    """A look at a target that has none, in one pass of the networks.
 
-    value: of it.  pass_number: of the networks.  way, first_step, length: as in `Look`.
-    by: the looks of that pass which can't be flown beside it.
+    by: looks left out for it.  looks: all of the pass, with it.  gain: of their worth.
+    out: the resource that it would take too much of, as all others would that gain.  tried: how
+    many of these were tried, where not all.
     """
 
-    target: int
-    value: float
+    look: Look
     pass_number: int
-    way: int
-    first_step: int
-    length: int
     by: tuple[Look, ...]
+    looks: tuple[Look, ...]
+    gain: float
+    out: RunsOut | None = None
+    tried: int | None = None
 
 
-def displaced_by(
-    networks: Sequence[Network],
-    passes: Sequence[Sequence[Look]],
-    worth_in: Callable[[int], Worth],
-    left_out: Indices,
-) -> tuple[Displaced, ...]:
-    """The look at each target left out whose worth best makes up for those it would displace.
+def displaced_by(exchanged: Sequence["Exchanged"], left_out: Indices) -> tuple[Displaced, ...]:
+    """The look at each target left out whose worth best makes up for those it would displace, had
+    the others stayed as they are.
 
-    passes: the looks chosen, one sequence per network.  worth_in: of looks in one of these by its
-    number.  left_out: rows of the request's targets.
+    left_out: rows of the request's targets.
     """
     best: dict[int, tuple[float, Displaced]] = {}
-    wanted = set(left_out.tolist())
-    for number, (network, looks) in enumerate(zip(networks, passes, strict=True)):
-        worth = worth_in(number)
-        places = _places(network, looks, worth)
-        for way in np.flatnonzero(np.isin(network.target, list(wanted))).tolist():
-            target = int(network.target[way])
-            gain, cell, length = _best_exchange(network, way, worth, places)
-            if length == NEVER or (target in best and gain <= best[target][0]):
-                continue
-            start = cell - int(worth.steps[target, length])
-            blocked = _blocked(network, way, start, cell, places)
-            step = network.first_step + int(network.first[way]) + start - int(network.offset[way])
-            step += worth.settle_steps
-            found = Displaced(
-                target=target,
-                value=look_worth(network, worth, cell, target, length),
-                pass_number=number,
-                way=int(network.way[way]),
-                first_step=step,
-                length=length,
-                by=tuple(look for look, is_in_way in zip(looks, blocked, strict=True) if is_in_way),
-            )
-            best[target] = gain, found
+    wanted = left_out.tolist()
+    for one in exchanged:
+        for row in np.flatnonzero(np.isin(one.network.target, wanted)).tolist():
+            target = int(one.network.target[row])
+            gain, cell, length = _best_exchange(one.network, row, one.worth, one.places)
+            if length != NEVER and (target not in best or gain > best[target][0]):
+                best[target] = gain, one.with_look(row, cell, length)
     return tuple(best[target][1] for target in sorted(best))
+
+
+def lacking(
+    best: Displaced,
+    exchanged: Sequence["Exchanged"],
+    keeping: Keeping,
+    first_unheld: FirstUnheld,
+    tries: int,
+) -> Displaced:
+    """The look that a target came nearest to, where resources count: one in the place of what is
+    worth less with which they keep, or else the first of those with which they don't.
+
+    best: had they not counted.
+    """
+    first, tried, target = best, 0, best.look.target
+    further = (
+        found for one in exchanged if target in one.targets for found in one.all_with(target)
+    )
+    for one in itertools.chain([best], further):
+        carrier = next(n for n, own in enumerate(keeping.passes_of) if one.pass_number in own)
+        passes = [other.looks for other in exchanged]
+        passes[one.pass_number] = one.looks
+        own = [look for n in keeping.passes_of[carrier] for look in passes[n] if look != one.look]
+        for out in _worth_less(sorted(own, key=lambda look: look.value), one.gain):
+            tried += 1
+            kept = [tuple(x for x in looks if x not in out) for looks in passes] if out else passes
+            runs_out = keeping.runs_out(carrier, kept)
+            if runs_out is None and first_unheld(kept[one.pass_number]) is None:
+                return replace(one, by=one.by + out)
+            first = first if first.out else replace(one if runs_out else first, out=runs_out)
+            if tried == tries:
+                return replace(first, tried=tried)
+    return first
+
+
+def _worth_less(looks: Sequence[Look], below_value: float) -> Iterator[tuple[Look, ...]]:
+    """Sets of looks that are worth less together; looks: by worth."""
+    if below_value > OPTIONS.worthless:
+        yield ()
+        for number, look in enumerate(looks):
+            if look.value >= below_value:
+                return
+            for out in _worth_less(looks[number + 1 :], below_value - look.value):
+                yield look, *out
+
+
+class Exchanged:
+    """A pass and its looks, with another one in the place of some."""
+
+    def __init__(
+        self, number: int, network: Network, looks: tuple[Look, ...], worth: Worth
+    ) -> None:
+        """number: of the network."""
+        self._number, self.network, self.looks, self.worth = number, network, looks, worth
+        self.places, self.targets = _places(network, looks, worth), {*network.target.tolist()}
+
+    def with_look(self, row: int, cell: int, length: int) -> Displaced:
+        """One that ends at a cell of the way in that row, the others as they are."""
+        network, worth, target = self.network, self.worth, int(self.network.target[row])
+        start = cell - int(worth.steps[target, length])
+        step = network.first_step + int(network.first[row]) + start - int(network.offset[row])
+        step += worth.settle_steps
+        value = look_worth(network, worth, cell, target, length)
+        look = Look(target, int(network.way[row]), step, length, value)
+        blocked = _blocked(network, row, start, cell, self.places)
+        kept = [*itertools.compress(self.looks, ~blocked), look]
+        return self._displaced(look, tuple(sorted(kept, key=lambda one: one.first_step)))
+
+    def _displaced(self, look: Look, looks: tuple[Look, ...]) -> Displaced:
+        seen = {one.target for one in looks}
+        by = tuple(one for one in self.looks if one.target not in seen)
+        gain = worth_of([looks]) - worth_of([self.looks])
+        return Displaced(look=look, pass_number=self._number, by=by, looks=looks, gain=gain)
+
+    def all_with(self, target: int) -> Iterator[Displaced]:
+        """The best path with a look at a target, the others moved or left out, then any look at it
+        with the others as they are."""
+        network, worth = self.network, self.worth
+        rows = np.flatnonzero(network.target == target).tolist()
+        steps, price = np.zeros_like(worth.steps), np.full(len(worth.price), np.inf)
+        steps[target], price[target] = worth.steps[target], -1.0 - worth_of([self.looks])
+        for one in self.looks:
+            steps[one.target, one.length] = worth.steps[one.target, one.length]
+            price[one.target] = 0.0
+        path = best_path(network, worth._replace(steps=steps, price=price)).looks
+        yield from (self._displaced(look, path) for look in path if look.target == target)
+        for row in rows:
+            if _best_exchange(network, row, worth, self.places)[0] <= OPTIONS.worthless:
+                continue
+            first, enters = int(network.offset[row]), network.enters[row]
+            steps_on = int(network.last[row] - network.first[row]) + 1
+            for step, length in itertools.product(range(steps_on), range(steps.shape[1])):
+                cell, takes = first + step, steps[target, length]
+                if 0 < takes <= step and network.ends[cell] and NEVER < enters <= cell - takes:
+                    yield self.with_look(row, cell, length)
 
 
 class _Places(NamedTuple):

@@ -17,7 +17,6 @@ from planner.base.arrays import Array
 from planner.base.errors import ResourceRunsOut, figures
 from planner.planning.campaigns.choice import Networks
 from planner.planning.campaigns.chosen import KeptResource
-from planner.planning.campaigns.displaced import Displaced
 from planner.planning.campaigns.joined import Joined
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
@@ -35,6 +34,8 @@ class RoomOptions:
 
     rounding: float = 1e-9  # of a capacity
     rows_a_round: int = 20  # of each resource, the most broken first
+    # at targets left out, of all together, shared out evenly: some seconds with wheels
+    looks_tried: int = 2000
 
 
 OPTIONS = RoomOptions()
@@ -107,7 +108,7 @@ class Keeping:
         self._fixed_known: dict[tuple[int, RoomStretch], float] = {}
         nothing: list[tuple[Look, ...]] = [()] * len(joined.networks)
         for carrier, name in enumerate(joined.carriers):
-            if (out := self._runs_out_of(carrier, nothing)) is not None:
+            if (out := self.runs_out(carrier, nothing)) is not None:
                 raise ResourceRunsOut(
                     f"{name and f'{name}: '}the {out.told_name} passes its limit of {out.limit:g} "
                     f"{out.unit} at {utc_text(self.utc(out.at_s), 1)}, in the end by "
@@ -171,7 +172,7 @@ class Keeping:
             for carrier in carriers
         )
 
-    def _runs_out_of(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> RunsOut | None:
+    def runs_out(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> RunsOut | None:
         """The first resource of a carrier that does."""
         found = []
         for store, room in zip(
@@ -204,24 +205,6 @@ class Keeping:
                 )
             )
         return min(found, key=lambda one: one.at_s, default=None)
-
-    def lacks(self, passes: Sequence[tuple[Look, ...]], left_out: Displaced) -> RunsOut | None:
-        """The resource that a look would take too much of in the place of those it displaces, which
-        are worth less."""
-        if left_out.value <= sum(look.value for look in left_out.by):
-            return None
-        look = Look(
-            target=left_out.target,
-            way=left_out.way,
-            first_step=left_out.first_step,
-            length=left_out.length,
-            value=left_out.value,
-        )
-        kept = [one for one in passes[left_out.pass_number] if one not in left_out.by]
-        passes = list(passes)
-        own = sorted([*kept, look], key=lambda one: one.first_step)
-        passes[left_out.pass_number] = tuple(own)
-        return self._runs_out_of(self._carrier_of[left_out.pass_number], passes)
 
     def broken(
         self, mixed_shares: Sequence[Sequence[tuple[float, tuple[Curve, ...]]]]
