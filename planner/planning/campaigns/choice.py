@@ -63,6 +63,10 @@ class ChoiceOptions:
     mixture_enough: float = 1e-3  # share of the bound, as for the gap
     proposals_a_pass: int = 25  # the latest, made at the best prices
     proposals_least: int = 2000  # kept in any case, where passes are few
+    # where they are many: the time of a mixture grows with more than the square
+    proposals_most: int = 10_000
+    # of a mixture, a minute or so; without it the choice is that at the prices that steps found
+    mixture_iterations_max: int = 50_000
     fixed_share: int = 8  # of the passes open, one in so many is fixed at a time
     # The integer programme over all proposals: of 6,000 for 1,000 passes it ends at its root, and
     # of the hardest kind 500 nodes found no more than 20, which are the same on every machine.
@@ -325,9 +329,6 @@ class Search:
 
     def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
         """The rest of the way by mixtures of the latest proposals; the last one, None if near."""
-        most = max(
-            self._options.proposals_a_pass * len(self._networks), self._options.proposals_least
-        )
         found: tuple[Mixture, list[Proposal]] | None = None
         self._holds = True
         if self._options.priced_labels_max:  # what steps found bounds nothing
@@ -337,7 +338,7 @@ class Search:
             if self._is_near() or not self._proposed:
                 return None
             tell("mixing", done, self._options.mixtures_max, value=self.value)
-            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
+            proposals = self._latest_proposals()
             mixture = self._mixed(proposals, self._looking.look_limit, ())
             if mixture is None:
                 break
@@ -463,7 +464,9 @@ class Search:
         self, proposals: Sequence[Proposal], left_limit: Array, fixed: Passes | tuple[()]
     ) -> Mixture | None:
         """fixed: looks of passes that no proposal is for."""
-        return best_mixture(proposals, len(self._networks), self._looking, left_limit)
+        return best_mixture(
+            proposals, len(self._networks), self._looking, left_limit, self._options
+        )
 
     def _fitting_path(self, number: int, worth: Worth, passes: Passes) -> Path:
         """The path of a pass that is worth most beside what the others have."""
@@ -471,6 +474,13 @@ class Search:
         if self._fitted.get(number, (b"",))[0] != own:
             self._fitted[number] = own, self._held_path(number, worth)
         return self._fitted[number][1]
+
+    def _latest_proposals(self) -> list[Proposal]:
+        """For a mixture, with those of the best choice."""
+        options = self._options
+        most = max(options.proposals_a_pass * len(self._networks), options.proposals_least)
+        latest = list(self._proposed)[-min(most, options.proposals_most) :]
+        return list(dict.fromkeys([*latest, *self._own_proposals()]))
 
     def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]

@@ -143,13 +143,12 @@ class _KeepingSearch(Search):
     def find_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
         """Prices of targets and rows by mixtures, and choices at them; the last mixture."""
         options, found = self._options, None
-        most = max(options.proposals_a_pass * len(self._networks), options.proposals_least)
         self._answer(self.price, self.row_price)
         for done in range(options.mixtures_max):
             if self._is_near() or not self._proposed:
                 break
             tell("mixing", done, options.mixtures_max, value=self.value)
-            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
+            proposals = self._latest_proposals()
             mixture = self._mixed(proposals, self._looking.look_limit, ())
             if mixture is None:
                 break
@@ -221,7 +220,9 @@ class _KeepingSearch(Search):
         mixture = None
         for _ in range(KEEPING.rounds):
             rows, scale = self._further(self._keeping.used_at_least, proposals, own)
-            mixture = best_mixture(proposals, len(self._networks), self._looking, left_limit, rows)
+            mixture = best_mixture(
+                proposals, len(self._networks), self._looking, left_limit, self._options, rows
+            )
             if mixture is None:
                 return None
             mixture = replace(mixture, row_price=mixture.row_price / scale)

@@ -41,11 +41,13 @@ def best_mixture(
     passes: int,
     looking: "Looking",
     left_limit: Array,
+    options: "ChoiceOptions",
     further: Rows | None = None,
 ) -> Mixture | None:
     """Mix at most one share of each pass, no target observed too often, groups evenly.
 
-    left_limit: looks at each target that are left beside those fixed, (targets,).
+    left_limit: looks at each target that are left beside those fixed, (targets,).  None where that
+    takes too many iterations.
     """
     matrix, low, high = _with_rows(*_rows_of(proposals, passes, looking, left_limit), further)
     is_even = low == high
@@ -57,6 +59,7 @@ def best_mixture(
         **even,
         bounds=(0.0, 1.0 if even else None),
         method="highs",
+        options={"maxiter": options.mixture_iterations_max},
     )
     if found.status != 0:
         return None
