@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
-from planner.planning.campaigns.choice import OPTIONS, FirstUnheld, worth_of
+from planner.planning.campaigns.choice import ChoiceOptions, FirstUnheld, worth_of
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.path import Look, Worth, best_path, look_worth
 from planner.planning.campaigns.resources import Keeping, RunsOut
@@ -86,7 +86,7 @@ def lacking(
 
 def _worth_less(looks: Sequence[Look], below_value: float) -> Iterator[tuple[Look, ...]]:
     """Sets of looks that are worth less together; looks: by worth."""
-    if below_value > OPTIONS.worthless:
+    if below_value > ChoiceOptions.worthless:
         yield ()
         for number, look in enumerate(looks):
             if look.value >= below_value:
@@ -136,7 +136,7 @@ class Exchanged:
         path = best_path(network, worth._replace(steps=steps, price=price)).looks
         yield from (self._displaced(look, path) for look in path if look.target == target)
         for row in rows:
-            if _best_exchange(network, row, worth, self.places)[0] <= OPTIONS.worthless:
+            if _best_exchange(network, row, worth, self.places)[0] <= ChoiceOptions.worthless:
                 continue
             first, enters = int(network.offset[row]), network.enters[row]
             steps_on = int(network.last[row] - network.first[row]) + 1
