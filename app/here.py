@@ -84,6 +84,7 @@ class Desk:
         return _WAYS[f"{ask.method} {way}"](self, LocalAsk(ask, found_id, is_spacecraft))
 
     def table_file(self, made: Kept, format_name: str) -> bytes:
+        """Of a plan; raises Unverified."""
         _require_format(format_name, EXPORTERS)
         return stored_table_file(made.request, made.table_columns, format_name, datetime.now(UTC))
 

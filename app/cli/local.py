@@ -108,8 +108,7 @@ def choose_here(body: bytes) -> Result:
     from app.work.campaign import carriers_apart, choose
 
     request = read_campaign_request(body)
-    most = (os.cpu_count() or 1) - 1
-    places = Places(take=lambda: True, leave=lambda: None, most=most)
+    places = Places(take=lambda: True, leave=lambda: None, most=(os.cpu_count() or 1) - 1)
     task = Task(job_id="", bounds=CAMPAIGN.bounds, work=choose, arguments=())
     sharing = Sharing(run_task=run_here, places=places, attempts=1)
 

@@ -67,13 +67,12 @@ def carriers_apart(
     requests = requests_to_choose(request)
     if len(requests) < 2:
         return ()
-    if not fewer_looks.sees_often(requests):
-        find = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
-        return () if found else [_share(carrier, find, one) for carrier, one in requests.items()]
+    is_often = fewer_looks.sees_often(requests)
     if not found:
-        find_views = fewer_looks.seen_by_carrier
-        return [_share(carrier, find_views, one) for carrier, one in requests.items()]
-    if not isinstance(_unpacked(found[0])[1], fewer_looks.SeenByCarrier):
+        all_looks = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
+        find = fewer_looks.seen_by_carrier if is_often else all_looks
+        return [_share(carrier, find, one) for carrier, one in requests.items()]
+    if not is_often or not isinstance(_unpacked(found[0])[1], fewer_looks.SeenByCarrier):
         return ()
     seen = dict(map(_unpacked, found))
     kept = fewer_looks.looks_to_keep([one.views for one in seen.values()])

@@ -52,4 +52,5 @@ def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> 
 
 
 def orbit_track_json(request: OrbitTrackRequest, provenance: ProvenanceOut) -> bytes:
+    """Raises OutsideCoverage."""
     return to_json(OrbitTrackResponse(**vars(track_orbit(request)), provenance=provenance))

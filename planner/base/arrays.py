@@ -29,6 +29,14 @@ def cross(left_value: Array, right_value: Array) -> Array:
     return product
 
 
+def rank_among(kind: Indices, value: Array) -> Indices:
+    """How many of its kind are greater than each value, (n,), or as great and before it."""
+    order = np.lexsort((-value, kind))
+    kinds, rank = kind[order], np.empty(len(order), np.intp)
+    rank[order] = np.arange(len(order)) - np.searchsorted(kinds, kinds)
+    return rank
+
+
 def told_deg(values_rad: Array) -> list[float]:
     """Angles (n,) or rates in degrees, to the decimals in which a request can say them again."""
     degrees: list[float] = np.round(np.rad2deg(values_rad), 12).tolist()

@@ -172,7 +172,7 @@ def test_a_campaign_and_its_passes_say_what_they_are(client):
     made_id = client.post("/v1/campaigns", json=CITIES).json()["id"]
     eventually(lambda: client.get(f"/v1/campaigns/{made_id}").json()["state"] == "done")
     assert client.get(f"/v1/campaigns/{made_id}/request").json() == CITIES
-    row = next(r for r in listed(client, "?target=boston", "/v1/campaigns") if r["id"] == made_id)
+    [row] = listed(client, "?target=boston", "/v1/campaigns")
     assert row["targets"] == [target["id"] for target in CITIES["targets"]]
     assert (row["start"], row["stop"]) == ("2015-02-27T12:00:00.000Z", "2015-02-28T00:00:00.000Z")
     passes = client.get(f"/v1/campaigns/{made_id}").json()["passes"]

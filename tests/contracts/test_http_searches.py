@@ -85,6 +85,7 @@ def test_searches_are_listed_and_deleted(client):
 
 
 def test_an_id_of_something_else_is_none(client):
+    assert client.get("/v1/plans").json()["plans"] == []
     assert client.get(f"{PATH}/{new_id()}").status_code == 404
     search_id = client.post(PATH, json=SKY).json()["id"]
     for path in ("plans", "campaigns", "spacecraft/plans"):

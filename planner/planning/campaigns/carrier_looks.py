@@ -79,9 +79,10 @@ class CarrierWindows:
 
     def ways_to(self, kept: Mask | None = None) -> Ways:
         """To follow all `looks`, or those kept."""
+        rows = np.arange(len(self.looks.target)) if kept is None else np.flatnonzero(kept)
         return ways_to_follow(
             self.looks,
-            np.flatnonzero(np.ones(len(self.looks.target), np.bool_) if kept is None else kept),
+            rows,
             self.candidates,
             self._scanned,
             self.shortest,

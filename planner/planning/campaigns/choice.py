@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices, Mask
+from planner.base.arrays import Array, Indices, Mask, rank_among
 from planner.base.at_once import done_at_once
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network, without_look
@@ -153,12 +153,8 @@ class Looking:
     def best_ways(self, value: Array) -> Mask:
         """Groups worth something, (groups,), as many of the best as are taken of ways to do one
         thing."""
-        order = np.lexsort((-value, self.way_to))
-        things = self.way_to[order]
-        place = np.arange(len(order)) - np.searchsorted(things, things)
-        taken = np.zeros(len(order), np.bool_)
-        taken[order] = (place < self.way_limit[things]) & (value[order] > 0.0)
-        return taken
+        taken = rank_among(self.way_to, value) < self.way_limit[self.way_to]
+        return np.asarray(taken & (value > 0.0))
 
     def beside(self, price: Array) -> float:
         """What all looks allowed pay at these prices, and those that no network has gain."""

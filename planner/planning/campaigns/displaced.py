@@ -68,7 +68,7 @@ def lacking(
         found for one in exchanged if target in one.targets for found in one.all_with(target)
     )
     for one in itertools.chain([best], further):
-        carrier = next(n for n, own in enumerate(keeping.passes_of) if one.pass_number in own)
+        carrier = keeping.carrier_of[one.pass_number]
         passes = [other.looks for other in exchanged]
         passes[one.pass_number] = one.looks
         own = [look for n in keeping.passes_of[carrier] for look in passes[n] if look != one.look]
@@ -138,11 +138,10 @@ class Exchanged:
         for row in rows:
             if _best_exchange(network, row, worth, self.places)[0] <= ChoiceOptions.worthless:
                 continue
-            first, enters = int(network.offset[row]), network.enters[row]
-            steps_on = int(network.last[row] - network.first[row]) + 1
-            for step, length in itertools.product(range(steps_on), range(steps.shape[1])):
-                cell, takes = first + step, steps[target, length]
-                if 0 < takes <= step and network.ends[cell] and NEVER < enters <= cell - takes:
+            first, count = int(network.offset[row]), int(network.last[row] - network.first[row]) + 1
+            cells = range(first, first + count)
+            for cell, length in itertools.product(cells, range(steps.shape[1])):
+                if _is_home(network, row, cell, steps[target, length]):
                     yield self.with_look(row, cell, length)
 
 
@@ -172,13 +171,10 @@ def _best_exchange(
     target, lengths = network.target[way], worth.value.shape[1]
     best, best_cell, best_length = -np.inf, NEVER, NEVER
     begin = network.offset[way]
-    for steps in range(network.last[way] - network.first[way] + 1):
-        cell = begin + steps
+    for cell in range(begin, begin + network.last[way] - network.first[way] + 1):
         for length in range(lengths):
             takes = worth.steps[target, length]
-            if takes == 0 or takes > steps:
-                continue
-            if not network.ends[cell] or not NEVER < network.enters[way] <= cell - takes:
+            if not _is_home(network, way, cell, takes):
                 continue
             gain = look_worth(network, worth, cell, target, length)
             if gain <= best:
@@ -190,6 +186,14 @@ def _best_exchange(
             if gain > best:
                 best, best_cell, best_length = gain, cell, length
     return best, best_cell, best_length
+
+
+@compiled
+def _is_home(network: Network, way: int, cell: int, takes: int) -> bool:
+    """Whether one who rests before and after can look for so many steps of a way until a cell."""
+    if not 0 < takes <= cell - network.offset[way] or not network.ends[cell]:
+        return False
+    return bool(NEVER < network.enters[way] <= cell - takes)
 
 
 @compiled

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices, Mask
+from planner.base.arrays import Array, Indices, Mask, rank_among
 from planner.base.reporting import tell_nobody
 from planner.planning.campaigns import fleet
 from planner.planning.campaigns.carrier_looks import (
@@ -93,9 +93,7 @@ def looks_to_keep(views: Iterable[BestViews]) -> list[KeptLooks]:
     target = np.concatenate([own[one.candidate] for own, one in zip(numbers, views, strict=True)])
     most = np.concatenate([one.most[one.candidate] for one in views])
     quality = np.concatenate([one.quality for one in views])
-    order = np.lexsort((-quality, target))
-    rank = np.empty(len(order), np.intp)
-    rank[order] = np.arange(len(order)) - np.searchsorted(target[order], target[order])
+    rank = rank_among(target, quality)
     kept = (target < 0) | ((rank < fleet.BOUNDS.kept_looks * most) & (quality >= 0.0))
     spare_quality = np.zeros(len(names) + 1)  # the last of those of which all looks stay
     np.maximum.at(spare_quality, target[~kept], quality[~kept])

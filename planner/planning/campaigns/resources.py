@@ -92,16 +92,16 @@ class Keeping:
             store for carrier in self.carriers for store in carrier.stores
         )
         self._store_of = [n for n, count in enumerate(counts) for _ in range(count)]
-        self._carrier_of = [carrier for carrier, _ in joined.order]
+        self.carrier_of = [carrier for carrier, _ in joined.order]
         self.passes_of = tuple(
-            tuple(n for n, of in enumerate(self._carrier_of) if of == carrier)
+            tuple(n for n, of in enumerate(self.carrier_of) if of == carrier)
             for carrier in range(len(self.carriers))
         )
         self._spans_s = [
             self.carriers[carrier].most_span_s(
                 network.first_step, network.first_step + network.stop_step
             )
-            for carrier, network in zip(self._carrier_of, joined.networks, strict=True)
+            for carrier, network in zip(self.carrier_of, joined.networks, strict=True)
         ]
         self._curves: dict[Proposal, tuple[Curve, ...]] = {}
         self._turned: dict[Proposal, Turned] = {}
@@ -128,14 +128,14 @@ class Keeping:
         """What a pass with these looks uses of each of its carrier's resources."""
         known = self._curves.get((number, looks))
         if known is None:
-            own = self.carriers[self._carrier_of[number]]
+            own = self.carriers[self.carrier_of[number]]
             known = self._curves[number, looks] = own.curves(looks)
         return known
 
     def _turns(self, number: int, looks: tuple[Look, ...]) -> Turned:
         known = self._turned.get((number, looks))
         if known is None:
-            own = self.carriers[self._carrier_of[number]]
+            own = self.carriers[self.carrier_of[number]]
             known = self._turned[number, looks] = own.turned(looks)
         return known
 
@@ -165,7 +165,7 @@ class Keeping:
         passes = list(passes)
         if number >= 0:
             passes[number] = looks
-        carriers = [self._carrier_of[number]] if number >= 0 else range(len(self.carriers))
+        carriers = [self.carrier_of[number]] if number >= 0 else range(len(self.carriers))
         return all(
             all(room.left_share.min() >= -OPTIONS.rounding for room in self._rooms(carrier, passes))
             and self.beyond(carrier, passes) is None
@@ -240,7 +240,7 @@ class Keeping:
     def is_in(self, number: int, row: RoomStretch) -> bool:
         """Whether a pass may use anything in a stretch."""
         start_s, stop_s = self._spans_s[number]
-        is_own = self._store_of[row.store] == self._carrier_of[number]
+        is_own = self._store_of[row.store] == self.carrier_of[number]
         return is_own and stop_s > row.from_s and start_s < row.to_s
 
     def _stretch(self, n: int, left: Room, end: int) -> RoomStretch:
@@ -265,7 +265,7 @@ class Keeping:
         store = np.array([one.store for one in rows], np.intp)
         rows_of = [np.flatnonzero(store == n) for n in range(len(self._stores))]
         for column, (number, looks) in enumerate(proposals):
-            first = self._first_store[self._carrier_of[number]]
+            first = self._first_store[self.carrier_of[number]]
             for n, curve in enumerate(self.curves(number, looks), start=first):
                 own = rows_of[n]
                 if len(own) and len(curve.t_s):
@@ -284,7 +284,7 @@ class Keeping:
             held_steps = [[held[look.target, look.length]] for look in looks]
             end_s = begin_s + step_s * np.array(held_steps)
             within_s = np.minimum(end_s, to_s) - np.maximum(begin_s, from_s)
-            is_own = of == self._carrier_of[number]
+            is_own = of == self.carrier_of[number]
             taken[:, column] = is_own * rate * np.maximum(within_s, 0.0).sum(axis=0)
             taken[:, column] += [self._fixed(number, one) for one in rows]
         return taken
@@ -305,7 +305,7 @@ class Keeping:
             return 0.0
         store, (start_s, stop_s) = self._stores[row.store], self._spans_s[number]
         is_whole = row.from_s <= start_s and stop_s <= row.to_s
-        carrier = self.carriers[self._carrier_of[number]]
+        carrier = self.carriers[self.carrier_of[number]]
         moved = carrier.least_moving_s((start_s, stop_s)) * store.moving_per_s if is_whole else 0.0
         if store.extra_share is None:
             return moved
@@ -335,7 +335,7 @@ class Keeping:
         t_s = self._grid_s + self._request.step_s * steps
         cost = np.zeros(len(t_s))
         for price, one in zip((row_price * self._rates(rows)).tolist(), rows, strict=True):
-            is_own = self._store_of[one.store] == self._carrier_of[number]
+            is_own = self._store_of[one.store] == self.carrier_of[number]
             if price > 0.0 and is_own and one.from_s < t_s[-1] and t_s[0] < one.to_s:
                 cost += price * np.clip(t_s - one.from_s, 0.0, one.to_s - one.from_s)
         return network._replace(cost=cost)
