@@ -82,6 +82,7 @@ def test_a_request_begun_at_once_is_not_read_again(database, tmp_path):
         first = dispatcher.submit(new_job("repeat", file), "as it was read")
         ended(database, first.id)
         holding = dispatcher.submit(new_job("linger", held))
+        eventually(lambda: job_of(database, holding.id).state == "running")  # in the first's place
         waiting = dispatcher.submit(new_job("repeat", file), "as it was read")
         assert waiting.state == "queued"  # for whoever takes it up
         let_go(held)
