@@ -115,7 +115,7 @@ def choose_here(body: bytes) -> Result:
     def tell(progress: Progress) -> None:
         report(progress.stage, progress.done, progress.of)
 
-    made: Sequence[bytes] = ()
+    made: list[bytes] = []
     while given := carriers_apart(body, request, made):
         made = sharing.make(CARRIERS, given, task, Stop(), tell)
     return choose(body, request, made)

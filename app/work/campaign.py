@@ -77,7 +77,7 @@ def carriers_apart(
     seen = dict(map(_unpacked, found))
     kept = fewer_looks.looks_to_keep([one.views for one in seen.values()])
     return [
-        _share(carrier, fewer_looks.kept_of_carrier, one.packed_windows, own)
+        _share(carrier, fewer_looks.kept_of_carrier, requests[carrier], one.packed_windows, own)
         for (carrier, one), own in zip(seen.items(), kept, strict=True)
     ]
 
@@ -100,17 +100,19 @@ def _unpacked(found: bytes) -> tuple[str, Any]:
 def choose(
     body: bytes,
     request: CampaignRequest | FleetRequest | None = None,
-    found: Sequence[bytes] = (),
+    found: list[bytes] | None = None,
 ) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal.
 
-    found: by `find_looks`, of every carrier or none.
+    found: by `find_looks`, of every carrier or none; emptied, as both forms of it together would
+    take twice the memory.
     """
     from planner.planning.campaigns import choose_what_is_asked
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    looks = dict(map(_unpacked, found))
+    found = found or []
+    looks = dict(_unpacked(found.pop(0)) for _ in range(len(found)))
     requests, campaign = choose_what_is_asked(request, report, looks)
     words, told = {"": document}, _choice(request, campaign)
     if isinstance(request, FleetRequest):

@@ -137,13 +137,12 @@ def choose_what_is_asked(
 ) -> tuple[Mapping[str, CampaignRequest], Campaign]:
     """`requests_to_choose`, and the choice.
 
-    looks: of each of these, where they are found.  Of what stays of a campaign that is revised
-    only `revision` tells.
+    looks: of each of these, where they are found, as pickle leaves them.  Of what stays of a
+    campaign that is revised only `revision` tells.
     """
+    requests = requests_to_choose(request)
     if looks:
-        requests: Mapping[str, CampaignRequest] = {one: own.request for one, own in looks.items()}
-    else:
-        requests = requests_to_choose(request)
+        looks = {one: looks[one].completed(own) for one, own in requests.items()}
     found = choose_together(requests, tell, request.field_of, looks)
     revises = request.revises
     if revises is None:

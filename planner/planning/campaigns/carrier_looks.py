@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -44,13 +44,17 @@ class _Aboard(NamedTuple):
     slewing: Slewing
 
 
+_FOLLOWS = {*_Aboard._fields, "request", "candidates"}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CarrierWindows:
-    """When one carrier can look at what; goes through pickle.
+    """When one carrier can look at what; goes through pickle without what follows from the request,
+    which carriers share, until it is `completed`.
 
-    candidates: its own, by which everything here counts.  grid_s: from the request's start to the
-    grid's first step.  settle_steps: before every look.  shortest: (candidates,), steps of the
-    shortest look, settling included.
+    candidates: its own, by which everything here counts.  in_view: rows of targets with windows.
+    grid_s: from the request's start to the grid's first step.  settle_steps: before every look.
+    shortest: (candidates,), steps of the shortest look, settling included.
     """
 
     request: CampaignRequest
@@ -59,7 +63,7 @@ class CarrierWindows:
     viewing: Viewing
     grid_s: float
     candidates: tuple[LookCandidate, ...]
-    found: Windows
+    in_view: frozenset[int]
     windows: "CandidateWindows"
     warnings: tuple[str, ...]
     scans: Scans
@@ -70,12 +74,14 @@ class CarrierWindows:
     gaps: Gaps
 
     def __getstate__(self) -> dict[str, Any]:
-        """What was found: the rest follows from the request."""
-        found = {field.name for field in fields(self)}.difference(_Aboard._fields)
+        found = {field.name for field in fields(self)}.difference(_FOLLOWS)
         return {name: getattr(self, name) for name in found}
 
-    def __setstate__(self, found: dict[str, Any]) -> None:
-        vars(self).update(found | _aboard(found["request"])._asdict())
+    def completed(self, request: CampaignRequest) -> Self:
+        """Again with the request that it is of, one of several carriers'."""
+        candidates = candidates_of(request, self.scans.found, modes_by_pass=True)
+        vars(self).update(_aboard(request)._asdict(), request=request, candidates=candidates)
+        return self
 
     def ways_to(self, kept: Mask | None = None) -> Ways:
         """To follow all `looks`, or those kept."""
@@ -165,12 +171,7 @@ class CarrierLooks(CarrierWindows):
 
     def has_windows(self, row: int) -> bool:
         """Whether a target is in view at all, or a mode, whose scans have reasons of their own."""
-        return row in self.request.modes or row in self._in_view
-
-    @functools.cached_property
-    def _in_view(self) -> frozenset[int]:
-        """Rows of targets with windows."""
-        return frozenset(self.found.target.tolist())
+        return row in self.request.modes or row in self.in_view
 
     @functools.cached_property
     def _numbers(self) -> Mapping[int, Sequence[int]]:
@@ -280,7 +281,7 @@ def windows_of_carrier(request: CampaignRequest, *, modes_by_pass: bool) -> Carr
         **aboard._asdict(),
         request=request,
         candidates=candidates,
-        found=found.windows,
+        in_view=frozenset(found.windows.target.tolist()),
         windows=windows,
         warnings=found.warnings,
         scans=scans,

@@ -71,7 +71,7 @@ class ChoiceOptions:
     # The integer programme over all proposals: of 6,000 for 1,000 passes it ends at its root, and
     # of the hardest kind 500 nodes found no more than 20, which are the same on every machine.
     together_nodes: int = 20
-    together_s: float = 60.0  # on the clock, in case a node takes very long
+    together_most: int = 6000  # of 12,000 a node took more than a minute, and gained nothing
     together_gap: float = 1e-6  # of its value, at which it may end sooner
     # over all passes, one chosen anew after the other; each gains, or it is the last
     sweeps_max: int = 10
@@ -326,7 +326,7 @@ class Search:
     def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
         """The rest of the way by mixtures of the latest proposals; the last one, None if near."""
         found: tuple[Mixture, list[Proposal]] | None = None
-        self._holds = True
+        self._holds, bound_before = True, np.inf
         if self._options.priced_labels_max:  # what steps found bounds nothing
             self._is_priced, self._bound = True, np.inf
             self._answer_prices(self.price)
@@ -338,7 +338,12 @@ class Search:
             mixture = self._mixed(proposals, self._looking.look_limit, ())
             if mixture is None:
                 break
-            found = mixture, proposals
+            is_worse = (
+                found is not None and mixture.value < found[0].value - self._options.worthless
+            )
+            if is_worse and self._bound >= bound_before:
+                break  # what was proposed meanwhile displaced what is worth more
+            found, bound_before = (mixture, proposals), self._bound
             # Half-way from the best prices, so that they don't swing (Wentges 1997).
             known, bound = len(self._proposed), self._bound
             self._answer_prices(0.5 * (self.price + mixture.price))
@@ -400,6 +405,8 @@ class Search:
         lacks = [most[number] - gain for (number, _), gain in zip(proposals, gains, strict=True)]
         gap = self._bound - self.value
         near = [one for one, lack in zip(proposals, lacks, strict=True) if lack <= gap]
+        if len(near) > self._options.together_most:
+            return
         passes: Passes = [()] * len(self._networks)
         for number, looks in self._together(near):
             passes[number] = looks
@@ -415,8 +422,12 @@ class Search:
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
         worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
-        paths = [(number, self._held_path(number, worth)) for number in part.tolist()]
-        return [(number, path.looks) for number, path in paths if path.looks]
+        paths = done_at_once(lambda number: self._held_path(number, worth), part.tolist())
+        return [
+            (number, path.looks)
+            for number, path in zip(part.tolist(), paths, strict=True)
+            if path.looks
+        ]
 
     def _held_path(self, number: int, worth: Worth) -> Path:
         """Of a pass; a look that those before it don't let be held is taken after them no more."""

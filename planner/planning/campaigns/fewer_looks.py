@@ -56,10 +56,12 @@ def seen_by_carrier(request: CampaignRequest) -> SeenByCarrier:
     return SeenByCarrier(best_views(windows), pickle.dumps(windows))
 
 
-def kept_of_carrier(packed_windows: bytes, kept: KeptLooks) -> CarrierLooks:
+def kept_of_carrier(
+    request: CampaignRequest, packed_windows: bytes, kept: KeptLooks
+) -> CarrierLooks:
     """The looks that are kept, of what `seen_by_carrier` told."""
     windows: CarrierWindows = pickle.loads(packed_windows)  # noqa: S301 (our own)
-    return windows.with_looks(tell_nobody, *kept)
+    return windows.completed(request).with_looks(tell_nobody, *kept)
 
 
 def sees_often(requests: Mapping[str, CampaignRequest]) -> bool:

@@ -18,7 +18,7 @@ class FleetBounds:
     """What a campaign of several carriers may ask for."""
 
     carriers_max: int = 100  # each is searched for windows by itself
-    target_days_max: float = 20_000.0  # counted for each carrier that may look at them
+    target_days_max: float = 1_000_000.0  # counted for each carrier that may look at them
     large_target_days: float = 2000.0  # some ten seconds: then its carriers are searched apart
     # For each look that a target may have, of a fleet that sees it oftener.  Fewer leave a choice
     # less to give way with; more take memory, which grows with the looks near each other.
@@ -128,6 +128,9 @@ class FleetRequest(CampaignCommon):
         Raises ValueError with the field at fault, as this request has it.
         """
         found = {}
+        plain = [
+            one if one.sensor is None else replace(one, sensor=None) for one in self.targets
+        ]  # once, as building them takes longer than all else here
         for number, carrier in enumerate(self.carriers):
             rows = [
                 row
@@ -139,7 +142,7 @@ class FleetRequest(CampaignCommon):
             try:
                 duty_cycle = carrier.duty_cycle or self.conditions.duty_cycle
                 found[carrier.id] = CampaignRequest(
-                    targets=tuple(replace(self.targets[row], sensor=None) for row in rows),
+                    targets=tuple(plain[row] for row in rows),
                     conditions=replace(self.conditions, duty_cycle=duty_cycle),
                     **{name: getattr(self, name) for name in _COMMON},
                     **{name: getattr(carrier, name) for name in _OWN},

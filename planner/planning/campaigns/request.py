@@ -124,7 +124,7 @@ class CampaignTarget:
         if isinstance(self.target, ImagingMode):
             self._require_mode(self.target)
             return
-        OpportunityTarget(id=self.id, target=self.target)
+        _ = self.opportunity
         if self.session_s is None:
             raise ValueError("session_s is required: it says how long a look lasts")
         if self.group is not None and self.looks > 1:
@@ -145,6 +145,14 @@ class CampaignTarget:
             if getattr(self, name) is not None:
                 raise ValueError(f"{name} must be left out for {mode.label}, {why}")
         require_known_roll(mode, self.roll)
+
+    @cached_property
+    def opportunity(self) -> OpportunityTarget:
+        """To be searched for when it can be seen, of an imaging mode its middle; one, however many
+        carriers search."""
+        if isinstance(self.target, ImagingMode):
+            return OpportunityTarget(id=self.id, target=self.target.middle)
+        return OpportunityTarget(id=self.id, target=self.target, roll=self.roll)
 
     @property
     def lengths_s(self) -> tuple[float, ...]:
@@ -337,12 +345,7 @@ class CampaignRequest(CarrierCommon, CampaignCommon):
             orbit=self.orbit,
             attitude=self.attitude,
             platform=self.platform,
-            targets=tuple(
-                OpportunityTarget(id=wanted.id, target=wanted.target.middle)
-                if isinstance(wanted.target, ImagingMode)
-                else OpportunityTarget(id=wanted.id, target=wanted.target, roll=wanted.roll)
-                for wanted in self.targets
-            ),
+            targets=tuple(wanted.opportunity for wanted in self.targets),
             start=self.start,
             stop=self.stop,
             conditions=self.conditions,
