@@ -59,7 +59,7 @@ class Sharing:
         if not shares.may_be(task.arguments[0]):
             return self.run_task(task, stop, on_progress)
         with_made = replace(task, arguments=(*task.arguments, []))
-        while given := self.run_task(replace(with_made, work=shares.split), stop):
+        while given := self._made(replace(with_made, work=shares.split), stop):
             made = self.make(shares, given, task, stop, on_progress)
             with_made = replace(task, arguments=(*task.arguments, made))
         return self.run_task(with_made, stop, on_progress)
@@ -79,7 +79,7 @@ class Sharing:
         def make(one: bytes, own_stop: Stop) -> bytes:
             share = replace(task, work=shares.work, arguments=(one,))
             with self._place(own_place):
-                made = self._made(share, own_stop)
+                made: bytes = self._made(share, own_stop)
             with telling:
                 made_yet[0] += 1
                 tell(made_yet[0])
@@ -100,16 +100,15 @@ class Sharing:
             finally:
                 end_all()
 
-    def _made(self, share: Task, stop: Stop) -> bytes:
+    def _made(self, share: Task, stop: Stop) -> Any:  # noqa: ANN401 (the share's)
         for _ in range(1, self.attempts):
             try:
-                made: bytes = self.run_task(share, stop)
+                made = self.run_task(share, stop)
             except ChildDied as error:
                 log.warning("a child was lost", job=share.job_id, error=error)
             else:
                 return made
-        last: bytes = self.run_task(share, stop)
-        return last
+        return self.run_task(share, stop)
 
     @contextmanager
     def _place(self, own: Semaphore) -> Iterator[None]:

@@ -58,7 +58,7 @@ def best_mixture(
         b_ub=high[~is_even],
         **even,
         bounds=(0.0, 1.0 if even else None),
-        method="highs-ipm",  # of 3,000 passes' sequences some 30 steps, where simplex takes 30,000
+        method="highs" if len(high) < options.interior_rows else "highs-ipm",
         options={"maxiter": options.mixture_iterations_max},
     )
     if found.status != 0:
