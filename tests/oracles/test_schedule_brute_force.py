@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from opportunity_requests import ISS, START
 
+from planner.base.reporting import tell_nobody
 from planner.motion.slew import AxisState, next_duration_s
 from planner.planning import label_search
 from planner.planning.campaigns import (
@@ -25,7 +26,7 @@ from planner.planning.campaigns import (
     orders,
 )
 from planner.planning.campaigns import campaign as campaigns
-from planner.planning.campaigns.choice import ChoiceOptions
+from planner.planning.campaigns.choice import ChoiceOptions, Looking, choose
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.orders import most_worth, ordered_path
 from planner.planning.campaigns.path import Worth, best_path, bounded_path
@@ -305,6 +306,20 @@ def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed, bits
     path = best_path(network, worth)
     assert path.value <= best + 1e-9
     assert len({look.target for look in path.looks}) == len(path.looks)
+
+
+@pytest.mark.parametrize("seed", range(24, 30))
+def test_a_pass_alone_is_filled_by_its_best_sequence(seed):
+    """Where a path that looks back at its own targets alone misses up to a fifth of it."""
+    network, worth = random_pass(seed)
+    alone, none = np.full(5, -1), np.zeros(0, np.intp)
+    looking = Looking(
+        length_steps=worth.steps, look_value=worth.value, look_limit=np.ones(5), group=alone,
+        way_to=none, way_limit=np.zeros(0), settle_steps=np.zeros(1, np.intp),
+    )  # fmt: skip
+    found = choose([network], looking, tell_nobody, lambda looks: None)
+    best = best_sequence(network, worth._replace(price=np.zeros(5)))
+    assert found.value == pytest.approx(best, abs=1e-9)
 
 
 @pytest.mark.parametrize("bits", [62, 2])

@@ -273,17 +273,18 @@ class Search:
 
         prove: the bound at prices, told as soon as these are found.
         """
-        greedy_value = self.begin()
+        greedy_value, bound = self.begin(), np.inf
         self.take_groups()
         mixture = self.find_prices(tell)
         if prove is not None:
             tell("bound", 0, 1, value=self.value)
-            tell("bound", 1, 1, value=self.value, bound=prove(self.price))
+            bound = prove(self.price)
+            tell("bound", 1, 1, value=self.value, bound=bound)
         if mixture is not None:
             self.make_whole(mixture, tell)
             self.put_together(tell)
         self.take_groups()
-        self.fill_exactly()
+        self.fill_exactly(bound)
         return CampaignChoice(
             passes=tuple(self.best),
             value=self.value,
@@ -588,17 +589,20 @@ class Search:
         if value > self.value and self.keeps(passes, -1, ()):
             self.best, self.value = passes, value
 
-    def fill_exactly(self) -> None:
-        """Each pass with scans is filled by the best path, not one that a better label at a place
-        may have hidden: with its groups, or with one more, less or another."""
-        tries = self._options.group_tries
+    def fill_exactly(self, bound: float) -> None:
+        """Each pass is filled by the best path, not one that a better label at a place may have
+        hidden: with its groups, or with one more, less or another.
+
+        bound: where the choice is near it, passes without scans stay as they are.
+        """
+        tries, near = self._options.group_tries, (1.0 - self._options.gap_enough) * bound
         for number, network in enumerate(self._networks):
-            is_better = bool(network.scanned.any())
-            while is_better and tries > 0:
+            is_better = bool(network.scanned.any()) or self.value < near
+            while is_better:
                 is_better = False
                 for out in self._exchanges(number):
-                    if tries > 0:
-                        tries -= 1
+                    tries -= len(out) > 0
+                    if not out or tries >= 0:
                         is_better |= self._fill_exactly(number, out)
 
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
@@ -637,9 +641,10 @@ class Search:
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
         network = self._networks[number]
         worth = looking.settled(looking.less_prices(price), number)
-        labels_max = self._options.exact_labels_max
+        labels_max = self._options.bound_labels_max // len(self._networks)
+        labels_max = min(labels_max, self._options.exact_labels_max)
         path = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
-        if path is None:
+        if path is None and network.scanned.any():
             path = ordered_path(network, worth, self._options.pass_orders)
         if path is None or self._first_unheld(path.looks) is not None:
             return False
