@@ -17,6 +17,7 @@ from planner.base.errors import InvalidRequest
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns import carrier_looks, choose_campaign, scenario_of
 from planner.planning.campaigns.network import NEVER
+from planner.planning.resources import resource_curves
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
@@ -49,6 +50,19 @@ def test_every_scan_of_a_mode_is_planned_as_it_was_chosen(chosen):
     for parts in seen.values():
         assert sorted(parts) == [(part, len(parts)) for part in range(1, len(parts) + 1)]
     assert campaign.greedy_value <= campaign.value <= campaign.bound
+
+
+def test_panels_and_wheels_of_a_body_that_settles_before_a_scan_are_followed():
+    """From where it settles, which the last begin of a scan has, too."""
+    panel = {"normal_body": [0.0, 0.0, -1.0], "power_w": 180.0}
+    battery = {"capacity_wh": 110.0, "start_wh": 80.0, "idle_w": 50.0, "panels": [panel]}
+    wheels = {"capacity_n_m_s": [0.4, 0.4, 0.4], "unload_n_m": 2e-4}
+    resources = {"battery": battery, "momentum": wheels}
+    request = read(platform="smallsat-120kg", resources=resources)
+    [(flight, plan)] = planned_passes(request, choose_campaign(request))
+    charge, *momenta = (float(one.level[-1]) for one in resource_curves(plan))
+    assert charge == pytest.approx(flight.held.battery_wh[1], abs=2e-3 * 110.0)
+    assert momenta == pytest.approx(flight.held.momentum_n_m_s[1], abs=2e-3 * 0.4)
 
 
 def test_looks_of_a_stereo_are_at_their_angles_in_order(chosen):

@@ -335,13 +335,12 @@ class CarrierStores(RestStores):
             row = int(ways.offset[way] - ways.first_step[way]) + look.first_step
             long_s = stop_s - begin_s
             last = math.ceil(long_s / step_s - 1e-9)
-            if ways.scanned[way]:
-                states = [(begin_s, ways.begin_states[row])]
-            else:
+            steps, moving_states = [-self._looks.settle_steps], ways.begin_states
+            if not ways.scanned[way]:
                 parts = max(int(long_s / max(CHARGING.track_s, step_s)), 1)
                 inside = {round(n * long_s / parts / step_s) for n in range(parts)}
-                steps = sorted({-self._looks.settle_steps, *inside} - {last})
-                states = [(begin_s + n * step_s, ways.states[row + n]) for n in steps]
+                steps, moving_states = sorted({*steps, *inside} - {last}), ways.states
+            states = [(begin_s + n * step_s, moving_states[row + n]) for n in steps]
             state = ways.states[row + last].copy()
             turned = Rotation.from_rotvec((long_s - last * step_s) * state[4:7])
             state[:4] = (Rotation.from_quat(state[:4]) * turned).as_quat()
