@@ -48,7 +48,7 @@ def main() -> None:
     watch = Watch(asked.lose)
     places = Places(take=lambda: True, leave=lambda: None, most=asked.workers - 1)
     sharing = Sharing(run_task=run_here, places=places, attempts=2)
-    task = Task(job_id="", bounds=CAMPAIGN.bounds, work=CAMPAIGN.work, arguments=(body,))
+    task = Task(job_id="", bounds=CAMPAIGN.bounds, work=CAMPAIGN.work, arguments=(body, None))
     begins: dict[str, float] = {}
 
     def tell(progress: Progress) -> None:
