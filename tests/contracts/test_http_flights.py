@@ -151,22 +151,11 @@ def test_the_same_key_flies_once(client, plan_id):
     assert other.json()["type"].endswith("idempotency-key-reused")
 
 
-@pytest.mark.parametrize(
-    ("body", "field"),
-    [
-        ({"runs": 1}, "runs"),
-        ({"runs": 10**6}, "runs"),
-        ({"seed": -1}, "seed"),
-        ({"runs": 20_000}, "runs"),  # 200 s of flight each
-        ({"moving_object": {"speed_m_s": -1.0}}, "moving_object.speed_m_s"),
-        ({"flights": 3}, "flights"),
-    ],
-)
-def test_what_is_out_of_bounds_is_refused_by_name(client, plan_id, body, field):
-    answer = client.post(f"/v1/plans/{plan_id}/flights", json=body)
+@pytest.mark.parametrize("runs", [1, 20_000])  # too few for any plan, too many of 200 s each
+def test_what_is_out_of_bounds_is_refused_by_name(client, plan_id, runs):
+    answer = client.post(f"/v1/plans/{plan_id}/flights", json={"runs": runs})
     assert answer.status_code == 422, answer.text
-    told = answer.json()
-    assert field in (told.get("field"), *(error["field"] for error in told.get("errors", ())))
+    assert answer.json()["field"] == "runs"
 
 
 def test_what_can_not_fly_is_refused_plainly(client):

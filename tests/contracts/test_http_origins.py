@@ -134,16 +134,6 @@ def test_an_image_or_script_of_an_allowed_page_sends_no_origin_and_gets_nothing(
     assert here.get("/v1/platforms", headers=headers).status_code == 403
 
 
-def test_without_the_setting_no_page_of_another_site_gets_in(tmp_path):
-    with TestClient(create_app(Settings(data_dir=tmp_path)), base_url="http://localhost",
-                    client=HERE) as client:  # fmt: skip
-        assert client.get("/v1/platforms", headers=from_page()).status_code == 403
-        answer = asks_first(client)
-        assert "access-control-allow-origin" not in answer.headers
-        assert answer.status_code == 403
-        assert "origin" not in words(client.get("/v1/platforms"), "vary")
-
-
 @pytest.mark.parametrize(
     "text",
     ["*", "planner.example", "https://planner.example/app", "ftp://planner.example", "null",

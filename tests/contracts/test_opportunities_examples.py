@@ -1,4 +1,4 @@
-"""The examples of requests for opportunities say what they mean."""
+"""The gallery of opportunities holds what its paper shows."""
 
 from pathlib import Path
 
@@ -9,24 +9,12 @@ from app.requests.opportunities import read_opportunity_request
 from planner.planning.opportunities import find_opportunities
 from planner.world.frames.time_scales import Instants
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("opportunities_*.json"))
-
-
-def read(path):
-    return read_opportunity_request(path.read_bytes())
-
-
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_every_target_has_a_window(path):
-    request = read(path)
-    windows = find_opportunities(request).windows
-    assert set(windows.target.tolist()) == set(range(len(request.targets)))
-    assert request.platform.kind == "body" or np.all(windows.branches.any(axis=1))
+GALLERY = Path(__file__).parents[2] / "examples" / "opportunities_gallery.json"
 
 
 def test_las_vegas_is_in_sight_when_it_was_photographed():
     """Sumarokov 2016, Fig. 3: 27 Feb 2015; the pass of 17:35-17:39 UTC, 84 deg at most."""
-    request = read(next(path for path in EXAMPLES if path.stem == "opportunities_gallery"))
+    request = read_opportunity_request(GALLERY.read_bytes())
     windows = find_opportunities(request).windows
     [first] = np.flatnonzero((windows.target == 0) & (windows.rise_s < 86400.0))[:1]
     edges = Instants(request.start, np.array([windows.rise_s[first], windows.set_s[first]]))

@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 from app.cli import main
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.base.errors import VerificationFailed
-from planner.output.export import EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EXAMPLE = EXAMPLES / "las_vegas_2015.json"
@@ -61,14 +60,6 @@ def test_a_place_that_can_not_be_written(tmp_path):
     result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--csv", f"{occupied}/table.csv"])
     assert result.exit_code == 2
     assert str(occupied) in one_line(result.stderr)
-
-
-def test_exports_by_format_and_path(tmp_path):
-    words = [f"--export={name}={tmp_path}/plan{to.suffix}" for name, to in EXPORTERS.items()]
-    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), *words])
-    assert result.exit_code == 0, result.output
-    for exporter in EXPORTERS.values():
-        assert (tmp_path / f"plan{exporter.suffix}").stat().st_size > 1_000
 
 
 @pytest.mark.parametrize("wrong", ["table.csv", "csv", "csv=", "xlsx=a.xlsx"])
