@@ -26,6 +26,13 @@ def campaign(service):
     return made(service, "/v1/campaigns", asked)
 
 
+@pytest.fixture(scope="module")
+def fleet(service):
+    """What is asked of several carriers, and the answer."""
+    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
+    return asked, made(service, "/v1/campaigns", asked)
+
+
 def outcome(page, target):
     return page.get_by_role("row").filter(has=page.get_by_role("button", name=target, exact=True))
 
@@ -76,11 +83,10 @@ def test_hundreds_of_targets_from_a_file_are_drawn_as_one_and_chosen_by_a_click(
     expect(page.locator(".fate-list .row-now")).to_contain_text("north")
 
 
-def test_a_fleet_is_shown_by_carrier_and_sought_by_name(open_page, service):
-    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
-    fleet = made(service, "/v1/campaigns", asked)
-    page = open_page(f"/campaigns/{fleet['id']}")
-    looks = [(one["carrier"], look["target"]) for one in fleet["passes"] for look in one["looks"]]
+def test_a_fleet_is_shown_by_carrier_and_sought_by_name(open_page, fleet):
+    asked, told = fleet
+    page = open_page(f"/campaigns/{told['id']}")
+    looks = [(one["carrier"], look["target"]) for one in told["passes"] for look in one["looks"]]
     expect(page.locator(".carriers li")).to_have_count(len(asked["carriers"]))
     expect(page.locator(".carrier-look")).to_have_count(len(looks))
     colour = "element => getComputedStyle(element).fill"
@@ -103,9 +109,8 @@ def test_a_fleet_is_shown_by_carrier_and_sought_by_name(open_page, service):
     fit_a_phone(page)
 
 
-def test_a_fleet_is_changed_and_revised(open_page, service):
-    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
-    before = made(service, "/v1/campaigns", asked)
+def test_a_fleet_is_changed_and_revised(open_page, service, fleet):
+    asked, before = fleet
     page = open_page(f"/campaigns/{before['id']}")
     page.get_by_role("link", name="Revise", exact=True).click()
     carriers = page.get_by_test_id("carrier")
@@ -136,10 +141,9 @@ def test_a_fleet_is_changed_and_revised(open_page, service):
     assert again["revises"] == found["id"]
 
 
-def test_the_last_of_several_carriers_is_the_campaigns_own(open_page, service):
-    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
-    fleet = made(service, "/v1/campaigns", asked)
-    page = open_page(f"/campaigns?from={fleet['id']}")
+def test_the_last_of_several_carriers_is_the_campaigns_own(open_page, fleet):
+    asked, told = fleet
+    page = open_page(f"/campaigns?from={told['id']}")
     page.get_by_role("button", name="Remove smallsat").click()
     page.get_by_role("button", name="Remove follower").click()
     expect(page.get_by_test_id("carrier")).to_have_count(0)

@@ -115,22 +115,40 @@ def told_in_russian_too(page, *texts):
     page.get_by_label("Язык").select_option("en")
 
 
-def test_a_service_that_stops_and_comes_back(form, tmp_path):
+def test_a_service_that_stops_comes_back_and_forgets(form, tmp_path):
+    """What was typed is kept and planned; what the page holds of a plan whose time is over is still
+    shown, what it must fetch isn't there."""
     with live_service(tmp_path) as service:
-        page = form(service)
-        page.get_by_label("Language").select_option("ru")
-        page.get_by_label("Язык").select_option("en")
-    plan_and_be_told(page, "The service doesn't answer; the next try is in")
-    alert = page.get_by_role("alert")
+        waiting, shown = form(service), form(service)
+        waiting.get_by_label("Language").select_option("ru")
+        waiting.get_by_label("Язык").select_option("en")
+        plan(shown)
+        is_planned(shown)
+        gone = shown.url.removeprefix(service.address)
+        shown.wait_for_load_state("networkidle")
+    plan_and_be_told(waiting, "The service doesn't answer; the next try is in")
+    alert = waiting.get_by_role("alert")
     expect(alert).to_contain_text("The service doesn't answer")
     expect(alert).to_contain_text("Nothing you entered is lost")
-    told_in_russian_too(page, "Служба не отвечает", "Введённое не потеряно")
-    assert violations(page) == []
-    keeps_what_was_typed(page)
-    with live_service(tmp_path, "--port", str(service.port)):
+    told_in_russian_too(waiting, "Служба не отвечает", "Введённое не потеряно")
+    assert violations(waiting) == []
+    keeps_what_was_typed(waiting)
+    port = str(service.port)
+    with live_service(tmp_path, "--port", port):
         alert.get_by_role("button", name="Try again").click()
-        is_planned(page)
-        page.close()
+        is_planned(waiting)
+        waiting.close()
+    with live_service(tmp_path, "--port", port, SLEWTRACK_RETENTION_DAYS="0.000001"):
+        shown.get_by_role("button", name="Download CSV").click()
+        says(shown, "It isn't there any more")
+        told_in_russian_too(shown, "Этого больше нет")
+        shown.goto(gone)
+        expect(shown.get_by_text("There is no such plan")).to_be_visible()
+        assert violations(shown) == []
+        expect(shown.get_by_role("link", name="Plans kept")).to_be_visible()
+        shown.get_by_role("link", name="Plan anew").click()
+        expect(shown.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+        shown.close()
 
 
 def test_a_service_that_starts_anew_while_it_works(form, tmp_path):
@@ -191,8 +209,8 @@ def test_work_whose_process_dies_is_told_and_tried_again(form, hard):
     is_planned(page)
 
 
-def test_work_that_takes_too_long_is_told_and_asked_for_again(form, tmp_path):
-    """Nothing can be planned in the hundredth of a second that is allowed at first."""
+def test_work_that_takes_too_long_is_told(form, tmp_path):
+    """Nothing can be planned in the hundredth of a second that is allowed."""
     with live_service(tmp_path, SLEWTRACK_JOB_DEADLINE_S="0.01") as service:
         page = form(service)
         plan(page)
@@ -201,9 +219,6 @@ def test_work_that_takes_too_long_is_told_and_asked_for_again(form, tmp_path):
         expect(alert).to_contain_text("this took more than the 0.01 s of a processor")
         told_in_russian_too(page, "Это больше, чем служба позволяет", "Просите меньше за раз")
         keeps_what_was_typed(page)
-    with live_service(tmp_path, "--port", str(service.port)):
-        plan(page)
-        is_planned(page)
         page.close()
 
 
@@ -238,28 +253,6 @@ def test_a_full_disk_is_told_and_recovered_from(form, hard):
     keeps_what_was_typed(page)
     alert.get_by_role("button", name="Try again").click()
     is_planned(page)
-
-
-def test_a_plan_whose_time_is_over_is_told_with_the_ways_on(form, tmp_path):
-    with live_service(tmp_path) as service:
-        page = form(service, globe=True)
-        plan(page)
-        is_planned(page)
-        gone = page.url.removeprefix(service.address)
-        page.wait_for_load_state("networkidle")  # the globe leaves what it can't fetch unhandled
-    port = str(service.port)
-    with live_service(tmp_path, "--port", port, SLEWTRACK_RETENTION_DAYS="0.000001"):
-        # What the page holds already is still shown; what it must fetch isn't there any more.
-        page.get_by_role("button", name="Download CSV").click()
-        says(page, "It isn't there any more")
-        told_in_russian_too(page, "Этого больше нет")
-        page.goto(gone)
-        expect(page.get_by_text("There is no such plan")).to_be_visible()
-        assert violations(page) == []
-        expect(page.get_by_role("link", name="Plans kept")).to_be_visible()
-        page.get_by_role("link", name="Plan anew").click()
-        expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-        page.close()
 
 
 def test_a_damaged_database_is_told_as_damaged(form, tmp_path):
