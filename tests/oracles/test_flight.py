@@ -10,7 +10,7 @@ from flight_reference import Reference
 from planner.inflight.simulation.flight import fly
 from planner.world.platforms import ISS_HRC
 
-SECONDS = 8.0
+SECONDS = 5.0
 CASES = {
     "quick": (ISS_HRC, swinging(SECONDS), rough(), rough(lag_s=0.0)),
     "sticking": (ISS_HRC, steady(30.0, -12.0, duration_s=SECONDS), rough(), rough(damping=0.5)),
