@@ -184,7 +184,7 @@ def test_stars_seen_for_milliseconds_are_found(skyfield):
 
 @pytest.mark.parametrize(
     ("case", "targets"),
-    [*((case, places(400)) for case in CASES), ("elements", ships_and_aircraft(40))],
+    [*((case, places(200)) for case in CASES), ("elements", ships_and_aircraft(24))],
     ids=[*CASES, "moving"],
 )
 def test_windows_of_milliseconds_are_found(skyfield, case, targets):
@@ -206,7 +206,7 @@ def test_windows_of_milliseconds_are_found(skyfield, case, targets):
                 dataclasses.replace(target, min_elevation_deg=float(np.degrees(least_rad)))
             )
             asked.append((high_s, duration_s, off_rad))
-    assert len(grazing) > 50
+    assert len(grazing) > 40
     request, found = searched(orbit, start, days, grazing)
     for number, (high_s, duration_s, off_rad) in enumerate(asked):
         assert abs(off_rad) < ERROR_RAD
@@ -226,7 +226,7 @@ def test_the_highest_of_windows_that_last_for_hours(skyfield):
     request = iss_request(
         2.0,
         orbit=MOLNIYA,
-        targets=tuple(OpportunityTarget(id=f"{n}", target=one) for n, one in enumerate(places(40))),
+        targets=tuple(OpportunityTarget(id=f"{n}", target=one) for n, one in enumerate(places(12))),
         conditions=OpportunityConditions(min_elevation_deg=5.0),
     )
     windows = find_opportunities(request).windows
