@@ -1,4 +1,4 @@
-"""All windows of a body are found, and no others, where it is looked at second by second.
+"""All windows of a body are found, and no others, where it is looked at every three seconds.
 
 The reference knows no planner of attitudes: the exact orbit and apparent directions, and of each
 roll rule what docs say, by vector products; rates are differences of rotation matrices.
@@ -246,7 +246,7 @@ def margin_of(request, target, own_roll, t_s):
 
 
 @pytest.mark.parametrize("case", BODIES)
-def test_windows_of_a_body_are_those_seen_second_by_second(case):
+def test_windows_of_a_body_are_those_seen(case):
     changes, targets = BODIES[case]
     rolls = OWN_ROLLS if "of its own" in case else (None,) * len(targets)
     request = iss_request(
@@ -260,8 +260,8 @@ def test_windows_of_a_body_are_those_seen_second_by_second(case):
     )
     found = find_opportunities(request).windows
     span_s = (request.stop - request.start).total_seconds()
-    t_s = np.arange(0.5, span_s, 1.0)
-    seconds = 0
+    t_s = np.arange(0.5, span_s, 3.0)  # shorter windows: test_opportunities_grazing.py
+    seen = 0
     for row, target in enumerate(targets):
         own = found.select(found.target == row)
         is_found = np.zeros(len(t_s), bool)
@@ -272,5 +272,5 @@ def test_windows_of_a_body_are_those_seen_second_by_second(case):
         is_clear = np.abs(margin) > 1e-5
         wrong = np.flatnonzero(is_clear & (is_found != (margin > 0.0)))
         assert not wrong.size, (row, t_s[wrong][:5], margin[wrong][:5], len(wrong))
-        seconds += np.count_nonzero(is_found)
-    assert seconds > 60, seconds
+        seen += np.count_nonzero(is_found)
+    assert seen > 20, seen

@@ -1,4 +1,4 @@
-"""Windows of imaging modes are the begins whose scans are held, looked at second by second.
+"""Windows of imaging modes are the begins whose scans are held, looked at every three seconds.
 
 The reference is that of a body's windows (`test_body_windows.py`), along each line as it is passed.
 """
@@ -132,8 +132,8 @@ def asked(platform):
 
 
 def whole_day_s(request, scan):
-    """Seconds of the request in which the middle of a line is in sight."""
-    t_s = np.arange(0.5, (request.stop - request.start).total_seconds() - 60.0, 1.0)
+    """Instants of the request at which the middle of a line is in sight."""
+    t_s = np.arange(0.5, (request.stop - request.start).total_seconds() - 60.0, 3.0)
     return t_s[Sky(request, scan.middle, t_s).clearance_rad > 0.0]
 
 
@@ -143,11 +143,11 @@ def off_s(scan, begins_s):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_begins_of_scans_are_those_held_second_by_second(case):
+def test_begins_of_scans_are_those_held(case):
     changes, roll, modes = CASES[case]
     request = asked(smallsat(**changes))
     found = found_in(request, dict(enumerate(modes)), dict.fromkeys(range(len(modes)), roll))
-    seconds = 0
+    held = 0
     for row in range(len(modes)):
         own = [one for one in found if one.scan.row == row]
         for part in {one.scan.part for one in own}:
@@ -167,8 +167,8 @@ def test_begins_of_scans_are_those_held_second_by_second(case):
                 # Points along a line tell its view to 1e-4, a second of a scan its rate to as much.
                 wrong = np.where(is_found, line < -1e-4, margin > 1e-4)
                 assert not wrong.any(), (row, part, at_s[wrong][:5], margin[wrong][:5])
-                seconds += np.count_nonzero(is_found)
-    assert seconds > 60, seconds
+                held += np.count_nonzero(is_found)
+    assert held > 20, held
 
 
 @pytest.mark.parametrize(
