@@ -18,7 +18,8 @@ MEMORY_MIB = 4 * 8 + 100
 
 
 @pytest.fixture(scope="module")
-def service(tmp_path_factory):
+def at_start(tmp_path_factory):
+    """The service, and how large it was when it had answered once."""
     folder = tmp_path_factory.mktemp("hostile")
     with live_service(
         folder,
@@ -26,7 +27,14 @@ def service(tmp_path_factory):
         SLEWTRACK_HEAD_TIMEOUT_S=str(SLOW_S),
         SLEWTRACK_MAX_CONNECTIONS=str(CONNECTIONS),
     ) as service:
-        yield service
+        with closing(ask(service, head(GET))) as connection:
+            assert answer(connection)[0] == 200
+        yield service, service.memory_mib()
+
+
+@pytest.fixture(scope="module")
+def service(at_start):
+    return at_start[0]
 
 
 def connected(service) -> socket.socket:
@@ -72,12 +80,10 @@ def test_is_refused(service, case: Hostile):
         refused(connection, case.status, case.says)
 
 
-def test_the_service_has_stayed_small(service, tmp_path):
+def test_the_service_has_stayed_small(at_start):
     """After all of the above, and answers still."""
-    with live_service(tmp_path) as fresh:
-        with closing(ask(fresh, head(GET))) as connection:
-            assert answer(connection)[0] == 200
-        assert service.memory_mib() < fresh.memory_mib() + MEMORY_MIB
+    service, begun_mib = at_start
+    assert service.memory_mib() < begun_mib + MEMORY_MIB
     with closing(ask(service, head(GET))) as connection:
         assert answer(connection)[0] == 200
 
