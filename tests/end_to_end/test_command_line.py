@@ -22,12 +22,6 @@ def one_line(text: str) -> str:
     return line
 
 
-def test_no_such_file():
-    result = CliRunner().invoke(main, ["plan", "nowhere.json"])
-    assert result.exit_code == 2
-    assert "nowhere.json" in one_line(result.stderr)
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -62,11 +56,17 @@ def test_a_place_that_can_not_be_written(tmp_path):
     assert str(occupied) in one_line(result.stderr)
 
 
-@pytest.mark.parametrize("wrong", ["table.csv", "csv", "csv=", "xlsx=a.xlsx"])
-def test_an_export_that_can_not_be_read(wrong):
-    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--export", wrong])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nowhere.json"], "nowhere.json"),
+        *(([EXAMPLE, "--export", wrong], "netcdf") for wrong in ("table.csv", "csv=", "xlsx=a.x")),
+    ],
+)
+def test_a_file_or_an_export_that_can_not_be_read(words, said):
+    result = CliRunner().invoke(main, ["plan", *map(str, words)])
     assert result.exit_code == 2
-    assert "netcdf" in one_line(result.stderr)
+    assert said in one_line(result.stderr)
 
 
 def test_a_table_that_failed_its_verification(tmp_path):

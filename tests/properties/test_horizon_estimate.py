@@ -48,6 +48,11 @@ def pair():
     return case(np.random.default_rng(3001), ring(2))
 
 
+@pytest.fixture(scope="module")
+def found(pair):
+    return estimate_vertical(pair.images, pair.request)
+
+
 @pytest.mark.parametrize(
     "sensor", [Sensor(), Sensor(bits=16), Sensor(jpeg_quality=60)], ids=["8", "16", "JPEG"]
 )
@@ -69,16 +74,13 @@ def test_real_limb_lies_within_its_stated_error(seed):
     assert answer.geodetic.sigma_rad < np.deg2rad(0.05)
 
 
-def test_the_last_digit_of_what_is_known_moves_nothing(pair):
+def test_the_last_digit_of_what_is_known_moves_nothing(pair, found):
     """A micrometre of orbit is 1e-13 rad, and all sums are others; where a pixel is looked up is
     rounded to 3e-5 of it, 5e-8 rad."""
     here = pair.request.position
-    found = [
-        estimate_vertical(pair.images, replace(pair.request, position=moved(here, step)))
-        for step in range(4)
-    ]
-    for one in found[1:]:
-        off = one.geocentric.nadir_body - found[0].geocentric.nadir_body
+    for step in range(1, 4):
+        one = estimate_vertical(pair.images, replace(pair.request, position=moved(here, step)))
+        off = one.geocentric.nadir_body - found.geocentric.nadir_body
         assert np.abs(off).max() < 5e-8
 
 
@@ -117,12 +119,11 @@ def test_tone_curves_are_undone():
     assert coded.limb_height_m - light.limb_height_m < 2e3
 
 
-def test_one_camera_is_enough_and_says_so(pair):
+def test_one_camera_is_enough_and_says_so(pair, found):
     request = replace(pair.request, cameras=pair.request.cameras[:1])
     one = estimate_vertical(pair.images[:1], request)
-    two = estimate_vertical(pair.images, pair.request)
     assert normalised2(one.geocentric, pair.geocentric_body) < FOUR_SIGMA
-    assert one.geocentric.sigma_rad > 1.5 * two.geocentric.sigma_rad
+    assert one.geocentric.sigma_rad > 1.5 * found.geocentric.sigma_rad
 
 
 def test_an_unstated_lens_may_be_a_hundredth_off(pair):
@@ -148,23 +149,22 @@ def test_a_lens_wrongly_stated_as_calibrated_is_found_out(seed, scale):
     assert not right.warnings
 
 
-def test_a_statement_that_the_frames_bear_out_costs_little(pair):
+def test_a_statement_that_the_frames_bear_out_costs_little(pair, found):
     """One request in ten has another lens than stated: that adds to sigma what nothing shows."""
-    trusted = estimate_vertical(pair.images, pair.request).geocentric.sigma_rad
     unstated = tuple(replace(c, lens_sigma=None) for c in pair.request.cameras)
     doubted = estimate_vertical(pair.images, replace(pair.request, cameras=unstated))
-    assert trusted < 0.9 * doubted.geocentric.sigma_rad
+    assert found.geocentric.sigma_rad < 0.9 * doubted.geocentric.sigma_rad
 
 
-def test_an_unstated_shutter_widens_the_covariance(pair):
+def test_an_unstated_shutter_widens_the_covariance(pair, found):
     """Unless the body hardly turns."""
     unstated = replace(
         pair.request, cameras=tuple(replace(c, readout_s=None) for c in pair.request.cameras)
     )
     slow = replace(unstated, rate_body_deg_s=(0.0, -0.065, 0.0), rate_sigma_deg_s=0.01)
-    stated_rad, unstated_rad, slow_rad = (
-        estimate_vertical(pair.images, request).geocentric.sigma_rad
-        for request in (pair.request, unstated, slow)
+    stated_rad = found.geocentric.sigma_rad
+    unstated_rad, slow_rad = (
+        estimate_vertical(pair.images, request).geocentric.sigma_rad for request in (unstated, slow)
     )
     assert unstated_rad > 1.05 * stated_rad
     assert slow_rad == pytest.approx(stated_rad, rel=0.01)
@@ -242,23 +242,16 @@ def test_the_sun_in_the_frame_is_blamed(pair):
     assert answer.reason is Reason.SUN_IN_FRAME
 
 
-def test_low_sun_is_right_or_refused():
-    one = case(np.random.default_rng(3040), ring(2), sun_deg=(5.0, 15.0))
-    answer = estimate_vertical(one.images, one.request)
-    assert answer.geocentric is None or (
-        normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
-    )
-
-
 @pytest.mark.parametrize(
     "options",
     [
+        {"sun_deg": (5.0, 15.0)},
         {"sensor": Sensor(), "sun_deg": (8.0, 20.0)},
         {"sensor": Sensor(), "predicted_off_deg": None},
         {"sensor": Sensor(colour=True, exposure=2.5)},
         {"sensor": Sensor(exposure=2.5)},
     ],
-    ids=["monochrome, low Sun", "monochrome, blind", "overexposed", "monochrome, overexposed"],
+    ids=["low Sun", "gray, low Sun", "gray, blind", "overexposed", "gray, overexposed"],
 )
 def test_what_is_hard_to_measure_says_so(options):
     one = case(np.random.default_rng(3060), ring(2), **options)
@@ -305,16 +298,16 @@ def test_images_that_do_not_fit_are_refused(pair):
         estimate_vertical(turned, pair.request)
 
 
-def test_prediction_sees_what_the_estimator_then_finds(pair):
+def test_prediction_sees_what_the_estimator_then_finds(pair, found):
     around = Surroundings(pair.request.epoch, pair.request.position, pair.request.body)
     q = Rotation.from_quat(pair.request.predicted.q_body_from_eci_xyzw)
     camera = pair.request.cameras[0]
     expected = predict_horizon(camera, around, q)
-    found = estimate_vertical(pair.images, pair.request).cameras[0]
+    seen = found.cameras[0]
     assert expected.reason is None
-    assert np.rad2deg(expected.arc_rad) == pytest.approx(found.arc_deg, abs=3.0)  # outliers
+    assert np.rad2deg(expected.arc_rad) == pytest.approx(seen.arc_deg, abs=3.0)  # outliers
     # 12 km of limb height between them at most, 3 km a pixel.
-    middle = found.limb_px[len(found.limb_px) // 2]
+    middle = seen.limb_px[len(seen.limb_px) // 2]
     assert np.min(np.linalg.norm(expected.limb_px - middle, axis=1)) < 15.0
     up = Rotation.from_euler("x", 180.0, degrees=True) * q
     assert predict_horizon(camera, around, up).reason is Reason.NOT_IN_FRAME

@@ -48,17 +48,14 @@ def test_a_terminator_taken_for_the_limb(alone, half_width_px, sky, noise, reaso
     assert estimate_vertical([soft.clip(0.0, 255.0).astype(np.uint8)], alone).reason is reason
 
 
-def test_a_disc_with_the_night_behind_is_no_earth(pair, alone):
+def test_a_disc_with_the_night_behind_is_no_earth_and_the_suns_glare_no_layer(
+    pair, alone, monkeypatch
+):
     # 60 px, 250 km of light: no airglow, but no Earth either.
-    crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0])
-    answer = estimate_vertical([crescent.astype(np.uint8)], alone)
-    assert answer.reason is Reason.GLOWING_LAYER
-
-
-def test_the_suns_glare_is_no_glowing_layer(pair, alone, monkeypatch):
+    crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0]).astype(np.uint8)
+    assert estimate_vertical([crescent], alone).reason is Reason.GLOWING_LAYER
     monkeypatch.setattr(Surroundings, "is_sun_in_frame", lambda *_: True)
-    crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0])
-    answer = estimate_vertical([crescent.astype(np.uint8)], alone)
+    answer = estimate_vertical([crescent], alone)
     assert answer.reason is answer.cameras[0].reason is Reason.SUN_IN_FRAME
 
 
@@ -79,17 +76,13 @@ def test_an_edge_sharper_than_air_is_no_limb(alone):
     assert estimate_vertical([drawn], alone).reason is Reason.SHARP
 
 
-def test_too_short_an_arc(pair, alone):
-    mask = (((45.0, 0.0), (640.0, 0.0), (640.0, 480.0), (45.0, 480.0)),)
+@pytest.mark.parametrize(("left_px", "is_enough"), [(45.0, False), (230.0, True)])
+def test_too_short_an_arc(pair, alone, left_px, is_enough):
+    """Some 25 deg of limb are enough only where a prediction vouches for it."""
+    mask = (((left_px, 0.0), (640.0, 0.0), (640.0, 480.0), (left_px, 480.0)),)
     request = replace(alone, cameras=(replace(alone.cameras[0], mask=mask),))
-    assert estimate_vertical(pair.images[:1], request).reason is Reason.SHORT_ARC
-
-
-def test_an_arc_too_short_to_be_trusted_without_a_prediction(pair, alone):
-    # Some 25 deg of limb: enough where a prediction vouches for it.
-    mask = (((230.0, 0.0), (640.0, 0.0), (640.0, 480.0), (230.0, 480.0)),)
-    request = replace(alone, cameras=(replace(alone.cameras[0], mask=mask),))
-    assert estimate_vertical(pair.images[:1], request).geocentric is not None
+    reason = estimate_vertical(pair.images[:1], request).reason
+    assert reason is (None if is_enough else Reason.SHORT_ARC)
     blind = replace(request, predicted=None)
     assert estimate_vertical(pair.images[:1], blind).reason is Reason.SHORT_ARC
 

@@ -177,29 +177,18 @@ def test_reference_frames(stated, frame):
         ("COVARIANCE_STOP\n", "", r"the message ends inside its covariance"),
         ("COVARIANCE_STOP\n", "META_STOP\n", r"line 28: META_STOP can't follow"),
         ("12:12:00.1", "24:12:00.1", r"line 23: .* is no time of that day"),
-    ],
-)
-def test_faulty_kvn_is_refused_naming_the_line(old, new, reason):
-    assert old in KVN
-    with pytest.raises(InvalidMessage, match=reason):
-        read_oem(KVN.replace(old, new, 1))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "reason"),
-    [
         ("units='km'", "units='m'", r"line 7: X is in 'm'; it must be in km"),
         ("<Y>4217.417</Y>", "", r"line 7: the state vector lacks Y"),
         ("</data>", "", r"line 9: the XML is broken"),
         ("version='2.0'", "version='9'", r"line 2: OEM version '9' is not supported"),
         ("<oem", "<aem", r"the XML is broken"),
-        ("5288.810", "inf", r"line 7: .* are no 6 finite numbers"),
+        ("5288.810<", "inf<", r"line 7: .* are no 6 finite numbers"),
     ],
 )
-def test_faulty_xml_is_refused_naming_the_line(old, new, reason):
-    assert old in XML
+def test_a_faulty_message_is_refused_naming_the_line(old, new, reason):
+    [text] = [text for text in (KVN, XML) if old in text]
     with pytest.raises(InvalidMessage, match=reason):
-        read_oem(XML.replace(old, new, 1))
+        read_oem(text.replace(old, new, 1))
 
 
 @pytest.mark.parametrize(
