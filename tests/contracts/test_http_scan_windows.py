@@ -133,7 +133,6 @@ NORTH = [{"latitude_deg": 1, "longitude_deg": 1}, {"latitude_deg": 2, "longitude
 @pytest.mark.parametrize(
     ("target", "field", "says"),
     [
-        ({"mode": "strip", "geometry": FAR, "speed_m_s": 0.5}, "speed_m_s", "1..12000"),
         ({"mode": "strip", "geometry": BENT}, "geometry", "a corridor has more"),
         (
             {"mode": "stereo", "geometry": FAR, "look_angle_deg": 9.0, "gap_s": 9.0},
