@@ -133,15 +133,7 @@ CASES = {
         changed(requests=[{**strip(*CROSSING), "mode": "corridor"}]),
         "invalid-request", "requests.0.geometry", "split it",
     ),
-    "a strip of three positions": (
-        changed(requests=[strip(*CROSSING[:3])]),
-        "invalid-request", "requests.0.geometry", "corridor",
-    ),
     "no GeoJSON": (changed(requests={"features": []}), "invalid-message", None, "FeatureColl"),
-    "a feature without properties": (
-        changed(requests={"features": [{"type": "Feature"}]}),
-        "invalid-message", "features.0", "properties",
-    ),
     "a feature with a wrong field": (
         changed(requests={"features": [{
             "properties": {"mode": "strip", "name": "s", "colour": "red"},

@@ -2,11 +2,11 @@
 
 import json
 from datetime import datetime
-from pathlib import Path
 
 import erfa
 import numpy as np
 import pytest
+from golden_sight import ARCSEC_RAD, DATA, GOLDEN
 
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.two_axis.carrier import eci_from_platform
@@ -17,14 +17,9 @@ from planner.world.orbits import OrbitStates
 from planner.world.platforms import ISS_HRC
 from planner.world.targets import BodyTarget, GroundTarget, StarTarget
 
-# Orekit 13.1.9 and Skyfield 1.55, each checked against a third tool; conventions in the file
-DATA = Path(__file__).parents[1] / "data"
-GOLDEN = json.loads((DATA / "golden_los.json").read_text())
 # Skyfield 1.55 with DE440 and Hipparcos-2 from NASA's ISS ephemerides; conventions in the file
 CELESTIAL = json.loads((DATA / "golden_celestial.json").read_text())
 HIP = {star["name"]: star["hip"] for star in CELESTIAL["conventions"]["stars"]}
-ARCSEC_RAD = np.pi / 648000.0
-
 
 C_EME2000_FROM_GCRF = erfa.bp00(2451545.0, 0.0)[0]
 
