@@ -4,7 +4,6 @@ import csv
 import json
 from pathlib import Path
 
-import pytest
 from browsing import PHONE, ROOT, fit_a_phone, show_one_instant, violations
 from playwright.sync_api import expect
 from test_flown import telemetry
@@ -24,24 +23,19 @@ def next_request(page):
     return json.loads(sent.value.post_data)
 
 
-@pytest.mark.parametrize(
-    ("button", "room"),
-    [
+def test_a_plan_leads_to_its_files_and_to_each_room_that_knows_it_by_name(open_page, plan):
+    page = open_page(f"/plans/{plan}")
+    for button, room in (
         ("Fly it many times", "Flights"),
         ("Compare telemetry", "Telemetry"),
         ("Check with horizon frames", "Horizon"),
-    ],
-)
-def test_a_plan_leads_to_each_room_that_knows_it_by_name(open_page, plan, button, room):
-    page = open_page(f"/plans/{plan}")
-    page.get_by_role("navigation", name="From here").get_by_role("link", name=button).click()
-    expect(page.get_by_role("heading", name=room, exact=True)).to_be_visible()
-    expect(plan_field(page)).to_have_value(NAMED)
-    assert violations(page) == []
-
-
-def test_export_goes_to_the_files(open_page, plan):
-    page = open_page(f"/plans/{plan}", viewport=PHONE, globe=True)
+    ):
+        page.get_by_role("navigation", name="From here").get_by_role("link", name=button).click()
+        expect(page.get_by_role("heading", name=room, exact=True)).to_be_visible()
+        expect(plan_field(page)).to_have_value(NAMED)
+        assert violations(page) == []
+        page.go_back()
+    page.set_viewport_size(PHONE)
     page.get_by_role("button", name="Export").click()
     expect(page.get_by_role("region", name="Take away")).to_be_in_viewport()
     fit_a_phone(page)

@@ -38,14 +38,10 @@ def test_what_was_typed_is_there_after_a_reload(open_page, room):
     for label, text in TYPED[room].items():
         expect(page.get_by_label(label, exact=True)).to_have_value(text)
     assert violations(page) == []
-
-
-@pytest.mark.parametrize("room", ["/campaigns", "/spacecraft"])
-def test_a_request_that_is_no_json_yet_is_there_after_a_reload(open_page, room):
-    page = open_page(room)
-    page.get_by_label("Request as JSON").fill('{"name": ')
-    page.reload()
-    expect(page.get_by_label("Request as JSON")).to_have_value('{"name": ')
+    if room in ("/campaigns", "/spacecraft"):  # also a request that is no JSON yet
+        page.get_by_label("Request as JSON").fill('{"name": ')
+        page.reload()
+        expect(page.get_by_label("Request as JSON")).to_have_value('{"name": ')
 
 
 def test_an_address_that_asks_for_another_begins_anew(open_page):
