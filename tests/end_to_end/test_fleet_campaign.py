@@ -195,6 +195,15 @@ def test_a_refusal_names_the_field_of_the_request_of_all(change, field, way_out)
     assert any(one.startswith(f"{field}: ") and way_out in one for one in told), told
 
 
+def test_one_of_several_carriers_is_told_where_targets_are_for_it_alone():
+    targets = [one | {"sensor": "infrared"} for one in ASKED["targets"]]
+    told = json.loads(
+        zlib.decompress(choose(json.dumps(ASKED | {"targets": targets}).encode()).document)
+    )
+    assert {one["carrier"] for one in (*told["unseen"], *told["left_out"])} == {"follower"}
+    assert all(one.startswith("follower: ") for one in told["warnings"])
+
+
 def test_a_sensor_without_carriers_is_refused():
     alone = {name: value for name, value in ASKED.items() if name != "carriers"}
     alone |= {name: CARRIERS["station"][name] for name in ("platform", "orbit", "attitude")}

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from opportunity_requests import ISS
 from rich.console import Console
-from test_schedule_brute_force import BEHIND, EUROPE, WEST, request_for
+from test_schedule_brute_force import BEHIND, EUROPE, WEST, in_groups, request_for
 
 from app.cli.campaign import print_campaign
 from app.requests.campaign import read_campaign_request
@@ -35,6 +35,7 @@ from planner.planning.campaigns.flown import resources_left
 from planner.planning.campaigns.path import best_path
 from planner.planning.campaigns.request import CampaignCommon, CarrierCommon
 from planner.planning.campaigns.revision import EarlierLook, PassResources, Revision
+from planner.planning.campaigns.wheels import OPTIONS
 from planner.planning.resources import Along, Uses, resource_curves
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
@@ -68,14 +69,18 @@ SMALLSAT = {"platform": BODIES["smallsat-120kg"], "rest_angles_deg": None}
 
 def chosen(monkeypatch, request):
     """A campaign, and what it was chosen from."""
-    kept, found = {}, campaigns.choose_keeping
+    kept, found, exchanged = {}, campaigns.choose_keeping, campaigns._exchanged
 
     def keeping(*given, **named):
         kept["keeping"], kept["networks"], kept["looking"], *_ = given
-        kept["choice"], rows = found(*given, **named)
-        return kept["choice"], rows
+        return found(*given, **named)
+
+    def exchanging(*given):
+        kept["choice"], left_out = exchanged(*given)
+        return kept["choice"], left_out
 
     monkeypatch.setattr(campaigns, "choose_keeping", keeping)
+    monkeypatch.setattr(campaigns, "_exchanged", exchanging)
     return choose_campaign(request), kept
 
 
@@ -122,6 +127,7 @@ def least_room(keeping, passes):
         )
         if (wheels := carrier.wheels) is not None:
             most = np.array(carrier.resources.momentum.capacity_n_m_s)
+            most *= 1.0 - OPTIONS.spare_share
             yield 1.0 - np.abs(wheels.held([carrier.turned(one) for one in flown])[1] / most).max()
 
 
@@ -280,7 +286,7 @@ def gains_with(kept, target):
                 )),
                 **SMALLSAT,
             },
-            {None},
+            {"momentum"},
         ),
     ],
 )  # fmt: skip
@@ -288,7 +294,7 @@ def test_what_a_target_is_left_out_for_holds_whatever_place_it_takes(
     monkeypatch, places, priorities, days, changes, told
 ):
     """A resource, where some place is worth more than what it displaces, and no such one keeps;
-    others, where none is worth more, or else they are worth less than the look that is told."""
+    others, where none is worth more."""
     changes = dict(changes)
     duty = changes.pop("duty_cycle", None)
     request = request_for([(WEST + EUROPE)[n] for n in places], days, step_s=12.0, **changes)
@@ -301,12 +307,22 @@ def test_what_a_target_is_left_out_for_holds_whatever_place_it_takes(
     assert {one.lacks for one in campaign.left_out} == told
     for one in campaign.left_out:
         keeps = [keeps for _, keeps in gains_with(kept, one.row)]
-        if one.lacks is None:
-            assert not keeps or one.displaced_value < one.value
-        else:
-            assert keeps
-            assert not any(keeps)
-            assert "tried" not in one.because
+        assert not any(keeps)
+        assert bool(keeps) == (one.lacks is not None)
+        assert "tried" not in one.because
+
+
+def test_a_group_lacks_what_all_of_it_takes_too_much_of():
+    """One look at each would keep, or be worth more than what it displaces, alone; at the shortest
+    another group takes the place of a look that is worth less."""
+    request = in_groups(request_for(MIXED, 1.0, resources=Resources(memory=TIGHT)), "a.a.b")
+    campaign = choose_campaign(request)
+    assert {one.target: one.lacks for one in campaign.left_out} == dict.fromkeys("023", "memory")
+    for one in campaign.left_out:
+        assert ("with all of its group" in one.because) == (one.target != "3")
+    assert not choose_campaign(replace(request, resources=None)).left_out
+    campaign = choose_campaign(in_groups(request, "aa.bb"))
+    assert {look.target for one in campaign.passes for look in one.looks} == {"3", "4"}
 
 
 def earlier_looks(campaign, passes):

@@ -106,13 +106,13 @@ def test_choice_is_the_best_of_all(places, days, kept_ways):
 
 @pytest.mark.parametrize(
     ("places", "days", "groups"),
-    [(WEST, 0.6, "aabb."), (EUROPE, 0.5, "a.bab"), (WEST, 0.6, ".aaaa")],
+    [(WEST, 0.6, "aabb."), (EUROPE, 0.5, "a.bab"), (WEST, 0.6, ".aaaa"), (WEST, 0.6, "..aa.")],
 )
 def test_groups_are_chosen_whole_or_not_at_all(places, days, groups, kept_ways):
     request = in_groups(request_for(places, days, step_s=12.0), groups)
     campaign = choose_campaign(request)
-    looks = {look.row for flight in campaign.passes for look in flight.looks}
-    assert is_whole(request, looks)
+    value = {look.row: look.value for flight in campaign.passes for look in flight.looks}
+    assert is_whole(request, value.keys())
     best = best_of_all(request, kept_ways[-1])
     assert campaign.bound >= best - 1e-9 > 0.0
     # It is the best of all but where two groups vie with a target within one pass: 2.3 % less.
@@ -120,6 +120,9 @@ def test_groups_are_chosen_whole_or_not_at_all(places, days, groups, kept_ways):
     for one in campaign.left_out:
         group = request.targets[one.row].group
         assert group is None or f"group {group}" in one.because
+        displaced = rows_of(one.displaced_by)
+        assert is_whole(request, value.keys() - displaced)
+        assert one.displaced_value == pytest.approx(sum(value[row] for row in displaced))
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -221,6 +221,35 @@ def choose(
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
     return Search(networks, looking, first_unheld, options).found(tell, prove)
+
+
+def with_group(
+    networks: Sequence[Network],
+    looking: Looking,
+    passes: Passes,
+    first_unheld: FirstUnheld,
+    group: int,
+    options: ChoiceOptions = OPTIONS,
+) -> list[Passes]:
+    """Choices with all of a group, the most worth first: at its best places for looks of any
+    length, and of each alone; other looks last as long, or make way."""
+    members, found = looking.members(group), []
+    lasts = np.zeros_like(looking.length_steps, np.bool_)
+    for look in (look for looks in passes for look in looks):
+        lasts[look.target, look.length] = True
+    every = np.arange(looking.length_steps.shape[1])
+    for lengths in (every, *every[:, None]):
+        lasts[members] = np.isin(every, lengths)
+        steps, value = looking.length_steps * lasts, looking.look_value * lasts
+        own = replace(looking, length_steps=steps, look_value=value)
+        search = Search(networks, own, first_unheld, options)
+        search.best = passes
+        found += [
+            search.whole_groups(search.with_group(members, first))
+            for first, network in enumerate(networks)
+            if np.isin(network.target, members).any()
+        ]
+    return sorted(found, key=worth_of, reverse=True)
 
 
 def refill(
@@ -540,7 +569,7 @@ class Search:
         price[[one.target for one in looks if is_member[one.target]]] = -self._kept
         return price
 
-    def _whole_groups(self, passes: Passes) -> Passes:
+    def whole_groups(self, passes: Passes) -> Passes:
         """Without looks at groups of which others lack, or that are one way too many."""
         looking = self._looking
         while True:
@@ -578,7 +607,7 @@ class Search:
         """Refill without prices until nothing is gained; the best choice is kept."""
         free = np.zeros(len(self._looking.look_limit))
         if self._looking.groups:
-            passes = self._whole_groups(passes)
+            passes = self.whole_groups(passes)
         value = worth_of(passes)
         for _ in range(self._options.sweeps_max):
             better = self.fill_passes(passes, free)
@@ -669,9 +698,9 @@ class Search:
             for first, network in enumerate(self._networks):
                 if tries > 0 and np.isin(network.target, members).any():
                     tries -= 1
-                    self.refill_passes(self._with_group(members, first))
+                    self.refill_passes(self.with_group(members, first))
 
-    def _with_group(self, members: Indices, first: int) -> Passes:
+    def with_group(self, members: Indices, first: int) -> Passes:
         """The best choice with a group's members in the first passes from one on with them, in the
         place of any other way to do the same."""
         looking = self._looking

@@ -1,8 +1,9 @@
 """Chosen observations that displace a target which got none."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
-from planner.planning.campaigns.choice import ChoiceOptions, FirstUnheld, worth_of
+from planner.planning.campaigns.choice import ChoiceOptions, FirstUnheld, Passes, worth_of
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.path import Look, Worth, best_path, look_worth
 from planner.planning.campaigns.resources import Keeping, RunsOut
@@ -20,7 +21,8 @@ from planner.planning.campaigns.resources import Keeping, RunsOut
 class Displaced:
     """A look at a target that has none, in one pass of the networks.
 
-    by: looks left out for it.  looks: all of the pass, with it.  gain: of their worth.
+    by: looks left out for it, with all of their groups.  looks: all of the pass, with it.  gain: of
+    the choice's worth.
     out: the resource that it would take too much of, as all others would that gain.  tried: how
     many of these were tried, where not all.
     """
@@ -32,6 +34,12 @@ class Displaced:
     gain: float
     out: RunsOut | None = None
     tried: int | None = None
+
+    def taken(self, passes: Iterable[tuple[Look, ...]]) -> Passes:
+        """A choice with it, in the place of what it displaces."""
+        passes = [tuple(one for one in looks if one not in self.by) for looks in passes]
+        passes[self.pass_number] = self.looks
+        return passes
 
 
 def displaced_by(exchanged: Sequence["Exchanged"], left_out: Indices) -> tuple[Displaced, ...]:
@@ -64,46 +72,87 @@ def lacking(
     best: had they not counted.
     """
     first, tried, target = best, 0, best.look.target
+    chosen = [other.looks for other in exchanged]
     further = (
         found for one in exchanged if target in one.targets for found in one.all_with(target)
     )
     for one in itertools.chain([best], further):
-        carrier = keeping.carrier_of[one.pass_number]
-        passes = [other.looks for other in exchanged]
-        passes[one.pass_number] = one.looks
-        own = [look for n in keeping.passes_of[carrier] for look in passes[n] if look != one.look]
-        for out in _worth_less(sorted(own, key=lambda look: look.value), one.gain):
+        carriers = [keeping.carrier_of[one.pass_number]]
+        passes, wanted = one.taken(chosen), frozenset([target])
+        for out, kept, runs_out in beside(passes, one.gain, wanted, exchanged, keeping, carriers):
             tried += 1
-            kept = [tuple(x for x in looks if x not in out) for looks in passes] if out else passes
-            runs_out = keeping.runs_out(carrier, kept)
             if runs_out is None and first_unheld(kept[one.pass_number]) is None:
-                return replace(one, by=one.by + out)
+                looks, gain = kept[one.pass_number], one.gain - _worth(out)
+                return replace(one, by=one.by + out, looks=looks, gain=gain)
             first = first if first.out else replace(one if runs_out else first, out=runs_out)
             if tried == tries:
                 return replace(first, tried=tried)
     return first
 
 
-def _worth_less(looks: Sequence[Look], below_value: float) -> Iterator[tuple[Look, ...]]:
-    """Sets of looks that are worth less together; looks: by worth."""
+def beside(
+    passes: Passes,
+    gain: float,
+    wanted: Set[int],
+    exchanged: Sequence["Exchanged"],
+    keeping: Keeping,
+    carriers: Sequence[int],
+) -> Iterator[tuple[tuple[Look, ...], Passes, RunsOut | None]]:
+    """Looks of carriers beside those at targets wanted, worth less together than a gain; passes
+    without them, and the resource that these carriers then run out of."""
+    look_at = {look.target: look for looks in passes for look in looks}
+    own = dict.fromkeys(
+        tuple(
+            look if other.target == look.target else look_at[other.target]
+            for other in exchanged[n].together(look)
+        )
+        for carrier in carriers
+        for n in keeping.passes_of[carrier]
+        for look in passes[n]
+        if look.target not in wanted
+    )
+    for out in _worth_less(sorted(own, key=_worth), gain):
+        kept = [tuple(x for x in looks if x not in out) for looks in passes] if out else passes
+        runs_out = (keeping.runs_out(carrier, kept) for carrier in carriers)
+        yield out, kept, next(filter(None, runs_out), None)
+
+
+def _worth_less(
+    looks: Sequence[tuple[Look, ...]], below_value: float
+) -> Iterator[tuple[Look, ...]]:
+    """Looks that are worth less together; looks: those left out together, by worth."""
     if below_value > ChoiceOptions.worthless:
         yield ()
-        for number, look in enumerate(looks):
-            if look.value >= below_value:
+        for number, own in enumerate(looks):
+            if _worth(own) >= below_value:
                 return
-            for out in _worth_less(looks[number + 1 :], below_value - look.value):
-                yield look, *out
+            for out in _worth_less(looks[number + 1 :], below_value - _worth(own)):
+                yield *own, *out
+
+
+def _worth(looks: Iterable[Look]) -> float:
+    return worth_of([[*looks]])
 
 
 class Exchanged:
     """A pass and its looks, with another one in the place of some."""
 
     def __init__(
-        self, number: int, network: Network, looks: tuple[Look, ...], worth: Worth
+        self,
+        number: int,
+        network: Network,
+        looks: tuple[Look, ...],
+        worth: Worth,
+        groups: Mapping[int, tuple[Look, ...]] = MappingProxyType({}),
     ) -> None:
-        """number: of the network."""
+        """number: of the network.  groups: by target the looks of all passes at its group."""
         self._number, self.network, self.looks, self.worth = number, network, looks, worth
-        self.places, self.targets = _places(network, looks, worth), {*network.target.tolist()}
+        self._groups, self.targets = groups, {*network.target.tolist()}
+        self.places = _places(network, looks, worth, [self.together(look) for look in looks])
+
+    def together(self, look: Look) -> tuple[Look, ...]:
+        """All that is chosen with one or not at all."""
+        return self._groups.get(look.target, (look,))
 
     def with_look(self, row: int, cell: int, length: int) -> Displaced:
         """One that ends at a cell of the way in that row, the others as they are."""
@@ -119,8 +168,11 @@ class Exchanged:
 
     def _displaced(self, look: Look, looks: tuple[Look, ...]) -> Displaced:
         seen = {one.target for one in looks}
-        by = tuple(one for one in self.looks if one.target not in seen)
-        gain = worth_of([looks]) - worth_of([self.looks])
+        gone = (self.together(one) for one in self.looks if one.target not in seen)
+        by = tuple(dict.fromkeys(itertools.chain.from_iterable(gone)))
+        broken = {one.target for one in by}
+        looks = tuple(one for one in looks if one.target not in broken)
+        gain = _worth(looks) - _worth(dict.fromkeys((*self.looks, *by)))
         return Displaced(look=look, pass_number=self._number, by=by, looks=looks, gain=gain)
 
     def all_with(self, target: int) -> Iterator[Displaced]:
@@ -146,21 +198,27 @@ class Exchanged:
 
 
 class _Places(NamedTuple):
-    """Looks of one pass: the way, the cells it begins and ends at, and its value, (looks,)."""
+    """Looks of one pass: the way, the cells it begins and ends at, and the value of all that is
+    left out with it, by whose number it is told, (looks,)."""
 
     way: Indices
     start: Indices
     stop: Indices
     value: Array
+    group: Indices
 
 
-def _places(network: Network, looks: Sequence[Look], worth: Worth) -> _Places:
+def _places(
+    network: Network, looks: Sequence[Look], worth: Worth, together: Sequence[tuple[Look, ...]]
+) -> _Places:
     row = {way: n for n, way in enumerate(network.way.tolist())}
     way = np.array([row[look.way] for look in looks], np.intp)
     first = np.array([look.first_step for look in looks], np.intp) - network.first_step
     start = network.offset[way] + first - network.first[way] - worth.settle_steps
     takes = np.array([worth.steps[look.target, look.length] for look in looks], np.intp)
-    return _Places(way, start, start + takes, np.array([look.value for look in looks]))
+    value = np.array([_worth(own) for own in together])
+    group = np.array([min(one.target for one in own) for own in together], np.intp)
+    return _Places(way, start, start + takes, value, group)
 
 
 @compiled
@@ -182,7 +240,8 @@ def _best_exchange(
             blocked = _blocked(network, way, cell - takes, cell, places)
             for n in range(len(blocked)):
                 if blocked[n]:
-                    gain -= places.value[n]
+                    is_told = (blocked[:n] & (places.group[:n] == places.group[n])).any()
+                    gain -= 0.0 if is_told else places.value[n]
             if gain > best:
                 best, best_cell, best_length = gain, cell, length
     return best, best_cell, best_length

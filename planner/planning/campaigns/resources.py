@@ -36,6 +36,8 @@ class RoomOptions:
     rows_a_round: int = 20  # of each resource, the most broken first
     # at targets left out, of all together, shared out evenly: some seconds with wheels
     looks_tried: int = 2000
+    # looks that turn out to be worth more than what they displace: after each all are tried anew
+    exchanges_max: int = 10
 
 
 OPTIONS = RoomOptions()
