@@ -19,6 +19,7 @@ import { idFor, TargetList } from "../campaigns/TargetList";
 import { TargetsFile } from "../campaigns/TargetsFile";
 import { TargetsMap } from "../campaigns/TargetsMap";
 import "../campaigns/campaigns.css";
+import "./spacecraft.css";
 import { PassesPanel } from "./PassesPanel";
 import { askedFrom, askedOf, fetchRequest, type SessionRequest, shownAs } from "./session";
 
@@ -29,7 +30,7 @@ const MOST_RUNS = 100;
 const KINDS = MODES.filter((mode) => mode !== "tri_stereo");
 const NO_FAULTS = new Map();
 
-export function AskSession() {
+export default function AskSession() {
   const text = words.value.spacecraft;
   const { request, setRequest, isSending, error, send } = useMaking(
     "/v1/spacecraft/plans",

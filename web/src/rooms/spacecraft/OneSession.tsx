@@ -5,9 +5,9 @@ import { digits, percent } from "../../i18n/forms";
 import { JobState } from "../../parts/JobState";
 import { Link } from "../../parts/Link";
 import { Notices } from "../../parts/Notices";
+import type { RoomProps } from "../../room";
 import type { Plan } from "../plan/plan";
 import { ShownPlan } from "../plan/ShownPlan";
-import { RateErrors } from "./RateErrors";
 import { Looks, Slews } from "./SessionTables";
 import { fetchSession, PATH, type Session } from "./session";
 
@@ -18,7 +18,8 @@ const ASKED = {
   change: (id: string) => `/spacecraft?from=${id}`,
 };
 
-export function OneSession({ id }: { id: string }) {
+export default function OneSession({ params }: RoomProps) {
+  const id = params.id ?? "";
   const job = useJob(PATH, id, fetchSession);
   const { answer } = job;
   const text = words.value;
@@ -27,7 +28,6 @@ export function OneSession({ id }: { id: string }) {
       <ShownPlan
         plan={answer.plan}
         asked={ASKED}
-        more={(common) => <RateErrors session={answer} common={common} />}
         beside={<Imaged session={answer} plan={answer.plan} />}
         below={<Below session={answer} />}
       />

@@ -1,5 +1,4 @@
 /** Charts over the plan's time: motion of the axes, pointing, sight. */
-import type { ComponentChildren } from "preact";
 import { useMemo, useState } from "preact/hooks";
 
 import { RangeButtons, useTimeRange } from "../../charts/range";
@@ -31,11 +30,9 @@ interface Props {
   /** The stretch to come closer to; null for the whole plan. */
   chosen: Stretch | null;
   onWhole: () => void;
-  /** Charts beside those of every plan. */
-  more?: (common: Common) => ComponentChildren;
 }
 
-export function Charts({ view, plan, stretches, chosen, onWhole, more }: Props) {
+export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
   const text = words.value.viewer.charts;
   const stop_s = lastOf(view.t_s);
   const epoch_ms = Date.parse(view.epoch);
@@ -99,7 +96,6 @@ export function Charts({ view, plan, stretches, chosen, onWhole, more }: Props) 
         </div>
       ))}
       {view.gyros && <GyroCharts gyros={view.gyros} common={common} withLimits={withLimits} />}
-      {more?.(common)}
       <Pointing view={view} plan={plan} common={common} />
       <Exclusions view={view} common={common} withLimits={withLimits} />
       {view.resources.map((one) => (

@@ -1,5 +1,4 @@
 /** The view of a plan: globe, charts and cameras by one time cursor. */
-import type { ComponentChildren } from "preact";
 import { useMemo, useRef, useState } from "preact/hooks";
 
 import { useRequest } from "../../api/request";
@@ -9,7 +8,7 @@ import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { AxisSpace } from "./AxisSpace";
-import { Charts, type Common } from "./Charts";
+import { Charts } from "./Charts";
 import { Sphere } from "./Gyros";
 import { HorizonViews } from "./HorizonViews";
 import { ImageFrame } from "./ImageFrame";
@@ -21,11 +20,9 @@ import { fetchView, hasAngles, lastOf, stretchesOf, type View } from "./view";
 
 interface Props {
   plan: Plan;
-  /** Charts of its own, over the same time. */
-  more?: (common: Common) => ComponentChildren;
 }
 
-export default function Viewer({ plan, more }: Props) {
+export default function Viewer({ plan }: Props) {
   const text = words.value;
   const {
     answer: view,
@@ -37,10 +34,10 @@ export default function Viewer({ plan, more }: Props) {
   });
   if (error !== null) return <ProblemNotice error={error} again={() => void ask()} />;
   if (!view) return <p class="loading">{text.shell.loading}</p>;
-  return <Opened view={view} plan={plan} more={more} />;
+  return <Opened view={view} plan={plan} />;
 }
 
-function Opened({ view, plan, more }: Props & { view: View }) {
+function Opened({ view, plan }: Props & { view: View }) {
   const { kinds, title } = words.value.viewer;
   const box = useRef<HTMLDivElement>(null);
   const [chosen, setChosen] = useState<Stretch | null>(null);
@@ -58,7 +55,7 @@ function Opened({ view, plan, more }: Props & { view: View }) {
             <Scene view={view} />
             <Readout view={view} />
           </div>
-          <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} more={more} />
+          <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} />
         </div>
         <HorizonViews plan={plan} epoch_ms={epoch_ms} stop_s={stop_s} />
         <TimeBar epoch_ms={epoch_ms} stop_s={stop_s} stretches={stretches} within={() => box.current} onStretch={setChosen} />
