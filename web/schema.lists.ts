@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { fieldsOf, type Node, type ObjectSchema } from "./schema.fields.ts";
 
 /** Whose fields the page's forms are made of. */
-export const FORMS = ["PlanRequest", "OpportunityConditions", "CampaignTarget"];
+export const FORMS = ["PlanRequest", "OpportunityConditions", "CampaignTarget", "ImagingPlanRequest"];
 
 interface Schema {
   components: { schemas: Record<string, ObjectSchema> };
@@ -26,7 +26,6 @@ export function listsOf({ components: { schemas }, paths }: Schema): Record<stri
     PLAN_FORMATS: formats("/v1/plans/{id}/table"),
     JOB_STATES: member("JobResponse", "state").enum ?? [],
     CONFLICTS: member("PlanRequest", "on_conflict").enum ?? [],
-    OBJECTIVES: member("ImagingPlanRequest", "objective").enum ?? [],
   };
 }
 

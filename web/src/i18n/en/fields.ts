@@ -1,6 +1,8 @@
 /** Words of a request's fields; what isn't here is made of the schema's name and text. */
 export const fields = {
   labels: {
+    simulation_runs: "Closed-loop runs",
+    rate_axis_max_deg_s: "Greatest rate of each axis",
     "GroundPathTarget.start": "First point passed at",
     "BenchMotionTarget.start": "Time of t = 0",
     "BenchMotionTarget.axes": "Motion of the axes",

@@ -6,16 +6,10 @@ export const spacecraft = {
   choose: "Choose GeoJSON",
   drop: "Drop GeoJSON here: lines and polygons; mode, name and priority as properties.",
   session: "Session",
-  name: "Name",
-  start: "From (UTC)",
-  stop: "Until (UTC)",
-  objective: "Slews",
-  objectives: { smooth: "as smooth as time allows", minimum_time: "as fast as the limits allow" },
-  runs: "Closed-loop runs",
   examples: "Examples:",
   example: { fourModes: "four modes", eightAreas: "eight areas", stripAndStereo: "strip and stereo pair" },
   jsonHint:
-    "As POST /v1/spacecraft/plans takes it; speeds, windows, stereo angles and the spacecraft's settings are changed here.",
+    "As POST /v1/spacecraft/plans takes it; speeds, windows and stereo angles are changed here.",
   send: "Plan the session",
   passes: {
     title: "When does it pass?",

@@ -2,18 +2,14 @@
 import eightAreas from "../../../../examples/spacecraft_eight_areas.json";
 import fourModes from "../../../../examples/spacecraft_four_modes.json";
 import stripAndStereo from "../../../../examples/spacecraft_strip_and_stereo.json";
-import { OBJECTIVES } from "../../api/lists";
 import { words } from "../../i18n";
-import { named } from "../../i18n/forms";
 import { MODES, pointsOf } from "../../map/modes";
-import { ChoiceField } from "../../parts/ChoiceField";
-import { Field } from "../../parts/Field";
+import { Fields } from "../../parts/fields/Fields";
+import type { Members } from "../../parts/fields/shape";
 import { useMaking } from "../../parts/making";
-import { NumberField } from "../../parts/NumberField";
 import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
-import { UtcField } from "../../parts/UtcField";
 import { type CampaignTarget, placesOf } from "../campaigns/campaign";
 import { idFor, TargetList } from "../campaigns/TargetList";
 import { TargetsFile } from "../campaigns/TargetsFile";
@@ -26,7 +22,8 @@ import { askedFrom, askedOf, fetchRequest, type SessionRequest, shownAs } from "
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
 const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
 type ExampleName = (typeof NAMES)[number];
-const MOST_RUNS = 100;
+/** Members that have forms of their own, and the only spacecraft. */
+const OTHERS = ["requests", "orbit", "spacecraft"];
 const KINDS = MODES.filter((mode) => mode !== "tri_stereo");
 const NO_FAULTS = new Map();
 
@@ -71,29 +68,13 @@ export default function AskSession() {
           </section>
           <section class="panel" aria-labelledby="session-when">
             <h2 id="session-when">{text.session}</h2>
-            <Field label={text.name}>
-              {(control) => (
-                <input {...control} value={request.name ?? ""} onInput={(event) => change({ name: event.currentTarget.value })} />
-              )}
-            </Field>
-            <div class="pair">
-              <UtcField label={text.start} value={request.start} onValue={(start) => change({ start })} />
-              <UtcField label={text.stop} value={request.stop} onValue={(stop) => change({ stop })} />
-              <ChoiceField
-                label={text.objective}
-                value={request.objective ?? "smooth"}
-                choices={OBJECTIVES}
-                told={(one) => named(text.objectives, one)}
-                onValue={(objective) => change({ objective })}
-              />
-              <NumberField
-                label={text.runs}
-                least={0}
-                most={MOST_RUNS}
-                value={request.simulation_runs ?? 4}
-                onValue={(simulation_runs) => change({ simulation_runs })}
-              />
-            </div>
+            <Fields
+              schema="ImagingPlanRequest"
+              value={request as unknown as Members}
+              path=""
+              omit={OTHERS}
+              onValue={(next) => setRequest(next as unknown as SessionRequest)}
+            />
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
           </section>
           <PassesPanel request={request} count={asked.length} onTimes={change} />
