@@ -244,6 +244,15 @@ def test_lines_in_planes_are_those_of_the_imaging_spacecraft():
     assert np.max(np.linalg.norm(ours_m - theirs_m, axis=1)) < 1.0
 
 
+def test_strips_are_no_longer_than_the_region_whatever_corners_its_sides_have():
+    """Corners 10 m beside a level side made every strip a second longer."""
+    ring = [[-20, 44], [-20, 44.5], [-19.8, 44.5], [-19.8, 44], [-19.9, 43.9999], [-20, 44]]
+    sessions = read(area(polygon(ring), azimuth_deg=0.0, swath_m=10e3)).sessions
+    side_m = Geodesic.WGS84.Inverse(43.9999, -19.9, 44.5, -19.9)["s12"]
+    for session in sessions:
+        assert session.target.duration_s == pytest.approx(side_m / (60e3 / 11.0), abs=0.05)
+
+
 def changed(**members):
     session = copy.deepcopy(AREA)
     session["target"] |= members

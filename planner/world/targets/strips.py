@@ -147,18 +147,19 @@ def strip_pieces(
     for number in range(pattern.count):
         aside_m = pattern.aside_m(number)
         low_m, high_m = aside_m - 0.5 * swath_m, aside_m + 0.5 * swath_m
-        merged: list[list[float]] = []
-        for begin_m, end_m in sorted(
-            span for polygon in rings for span in _spans_in_band(polygon, low_m, high_m)
-        ):
-            short_m = max(least_m - (end_m - begin_m), 0.0)
-            begin_m, end_m = begin_m - 0.5 * short_m, end_m + 0.5 * short_m
-            if merged and begin_m - merged[-1][1] <= gap_m:
-                merged[-1][1] = max(merged[-1][1], end_m)
-            else:
-                merged.append([begin_m, end_m])
+        spans_m = [span for polygon in rings for span in _spans_in_band(polygon, low_m, high_m)]
+        for shortest_m in (0.0, least_m):  # what is one piece isn't lengthened at its corners
+            merged: list[tuple[float, float]] = []
+            for begin_m, end_m in sorted(spans_m):
+                short_m = max(shortest_m - (end_m - begin_m), 0.0)
+                begin_m, end_m = begin_m - 0.5 * short_m, end_m + 0.5 * short_m
+                if merged and begin_m - merged[-1][1] <= gap_m:
+                    begin_m, before_m = merged.pop()
+                    end_m = max(before_m, end_m)
+                merged.append((begin_m, end_m))
+            spans_m = merged
         pieces = []
-        for ends_m in np.array(merged):
+        for ends_m in np.array(spans_m):
             # The ground falls away from the plane that touches it.
             down_m = (ends_m**2 + aside_m**2) / (2.0 * WGS84_A_M)
             first, last = pattern.positions(ends_m, aside_m, down_m)
