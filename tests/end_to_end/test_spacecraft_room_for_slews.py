@@ -68,19 +68,20 @@ def test_more_scans_than_a_session_holds_are_counted_not_tried(side_deg, swath_m
     ring = ((-x, -y), (x, -y), (x, y), (-x, y), (-x, -y))
     geometry = GeoPolygon(coordinates=(tuple((east + a, north + b) for a, b in ring),))
     settings = SpacecraftSettings(swath_m=swath_m)
-    with pytest.raises(Unreachable, match=r"takes \d+ scans, .* longer than the session's") as why:
+    with pytest.raises(
+        Unreachable, match=r"more than 50 of one session|across, more than 500"
+    ) as why:
         plan_imaging(
             session([AreaRequest(name="wide", geometry=geometry)], 3600.0, settings=settings)
         )
-    least_s = float(re.search(r"at least ([\d.]+) s", why.value.detail)[1])
-    assert least_s > 3600.0
+    assert why.value.field == "requests.0"
 
 
-def test_a_refusal_of_many_legs_counts_the_turns_between():
+def test_more_legs_than_a_session_holds_are_counted():
     east, north = line(90.0).coordinates[0]
     legs = tuple((east + 0.012 * (k % 2), north + 0.012 * k) for k in range(64))
     corridor = CorridorRequest(name="zigzag", geometry=GeoLineString(coordinates=legs))
-    with pytest.raises(Unreachable, match="63 scans, with the slews between, take at least"):
+    with pytest.raises(Unreachable, match="it takes 63 scans, more than 50"):
         plan_imaging(session([corridor], 300.0))
 
 

@@ -5,10 +5,8 @@ left is refused with when it would come closest.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,23 +14,14 @@ from numpy.typing import ArrayLike
 from planner.base import effort
 from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.errors import InfeasibleSlew, Unreachable, figures
-from planner.base.mrp import BodyMotion
-from planner.motion.attitude.track import agility_limits
+from planner.base.errors import InfeasibleSlew, Unreachable
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
-from planner.spacecraft.requests import (
-    AreaRequest,
-    CorridorRequest,
-    ImagingRequest,
-    Request,
-    StereoRequest,
-)
+from planner.spacecraft.requests import ImagingRequest, Request, StereoRequest
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.world.targets.geojson import Position
+from planner.world.targets.ground_path import GroundPathTarget
 from planner.world.targets.imaging import OPTIONS as MODES
-from planner.world.targets.imaging import ImagingMode
-from planner.world.targets.strips import strip_pattern
+from planner.world.targets.imaging import AreaMode, CorridorMode, StereoMode
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,10 +44,7 @@ class CandidateOptions:
     rounding_s: float = 1e-6  # a window may be given to the microsecond
     arc_at_start: float = 5.0  # of `effort`: to look at an arc scanned from one start,
     point_at_tick: float = 0.25  # and at one point of it
-    load_step_s: float = 2.0  # between instants whose loads are looked at: 0.1 % of a rate's peak
-    # of a limit: the slews onto and from a scan keep a little less than that
-    used_max: float = 0.99
-    load: float = 3.0  # of `effort`: to look at the loads of one instant
+    held: float = 10.0  # of `effort`: to look whether the body can follow an arc from one start
 
 
 OPTIONS = CandidateOptions()
@@ -71,7 +57,7 @@ class Candidate:
     request: its number in the session.  part: as of `label_search`, others may come between the
     two looks of a stereo pair.  entry_state, exit_state: as of `Slews`, (11,)
     each, of the first arc and the last one.  tilt_rad: largest angle along the track.
-    used_shares: largest of the limits of rate and acceleration while it is scanned.
+    is_held: whether the body can follow it within its limits.
     """
 
     request: int
@@ -80,7 +66,7 @@ class Candidate:
     entry_state: Array
     exit_state: Array
     tilt_rad: float
-    used_shares: tuple[float, float] = (0.0, 0.0)
+    is_held: bool = True
 
     @property
     def start_s(self) -> float:
@@ -96,97 +82,61 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
 
     Raises Unreachable when it is never seen, InfeasibleSlew when no scan of it keeps the limits.
     """
-    layout = _layout(request, session)
-    if layout.least_s > session.duration_s:
-        count = "one scan" if layout.scans == 1 else f"{layout.scans} scans"
-        raise Unreachable(
-            f"{request.name!r} takes {count}, which with the slews between last at least "
-            f"{layout.least_s:.1f} s, longer than the session's {session.duration_s:.1f} s; ask "
-            "for less at a time or for a longer session",
-            field=f"requests.{number}",
-            limit="time",
-        )
+    try:
+        orders = scan_orders(request, session)
+    except ValueError as error:
+        detail = f"{request.name!r}: {str(error).removeprefix('target.')}"
+        raise Unreachable(detail, field=f"requests.{number}", limit="time") from None
     looks = [
         [
             one
             for arcs in orders
             for one in _from_starts(arcs, starts_s, (number, part), request, session)
         ]
-        for part, orders, starts_s in _looks(request, session)
+        for part, starts_s in _looks(request, orders, session)
     ]
     if not all(looks):  # half a pair is no image
-        raise _never_seen(request, number, layout, session)
-    kept = [[one for one in look if max(one.used_shares) <= OPTIONS.used_max] for look in looks]
-    overloaded = [look for look, left in zip(looks, kept, strict=True) if not left]
-    if overloaded:
-        raise _overloaded(request, number, overloaded, session)
+        raise _never_seen(request, number, orders[0], session)
+    kept = [[one for one in look if one.is_held] for look in looks]
+    if not all(kept):
+        raise _too_fast(request, number, session)
     return [one for look in kept for one in look]
-
-
-class _Layout(NamedTuple):
-    """Lines that a request has scanned, as a session of any platform in that mode; how many scans
-    it is, and no less than the time they and the slews between take."""
-
-    mode: ImagingMode
-    lines: Iterable[tuple[Position, Position]]
-    scans: int
-    least_s: float
-
-
-def _layout(request: Request, session: ImagingSession) -> _Layout:
-    """Of an area parallel strips over the polygon's bounding box in scan direction."""
-    mode = request.as_mode()
-    lines: Iterable[tuple[Position, Position]]
-    if isinstance(request, AreaRequest):
-        pattern = strip_pattern(
-            request.geometry.coordinates,
-            request.height_m,
-            request.azimuth_deg,
-            session.passing.velocity_passing,
-            session.spacecraft.swath_m,
-            session.spacecraft.swath_m,
-        )
-        ends_m, count = np.array([pattern.from_m, pattern.to_m]), pattern.count
-        strips = (pattern.positions(ends_m, pattern.aside_m(k)) for k in range(count))
-        lines = ((first, last) for first, last in strips)
-        scan_s = count * (pattern.to_m - pattern.from_m) / request.scan_speed_m_s
-    else:
-        lines = list(pairwise(request.geometry.coordinates))
-        looks = 2 if isinstance(request, StereoRequest) else 1
-        count = looks * len(lines)
-        scan_s = looks * sum(mode.path_between(*ends).duration_s for ends in lines)
-    slews_s = (count - 1) * max(session.slews.settle_s, COMMAND_STEP_S)
-    return _Layout(mode, lines, count, scan_s + slews_s)
 
 
 def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundArc]]:
     """The request's arcs in each order and sense they may be scanned, times open (start_s = 0).
 
-    A corridor's legs as they are given, other arcs in the sense of flight; by a reversible
-    detector to and fro.
+    As its mode lays them; by a reversible detector each the other way, too.
+    Raises ValueError where there are more than the session has time for.
     """
-    mode, lines, _, _ = _layout(request, session)
-    if isinstance(request, CorridorRequest):
-        return [[GroundArc(path=mode.path_between(*ends)) for ends in lines]]
-    forward = [mode.in_sense(ends, session.passing) for ends in lines]
-    senses = [[GroundArc(path=mode.path_between(*ends)) for ends in forward]]
-    if not session.platform.camera.both_ways:
-        return senses
-    senses.append(
-        [GroundArc(path=mode.path_between(*ends[::-1]), backwards=True) for ends in forward]
-    )
-    return [[senses[(k + first) % 2][k] for k in range(len(forward))] for first in (0, 1)]
+    mode, window = request.as_mode(), session.window
+    if isinstance(mode, AreaMode):
+        mode = replace(mode, swath_m=session.spacecraft.swath_m, overlap=0.0)
+    if isinstance(mode, StereoMode):  # whose looks are tried at more times than the mode's
+        [(first, last)] = mode.lines
+        paths = [mode.path_between(*mode.in_sense((first, last), window.passing))]
+    else:
+        paths = [scan.target for scan in mode.scans(window)]
+    orders = [paths]
+    if window.scanning.both_ways and not isinstance(mode, CorridorMode | StereoMode):
+        orders.append([replace(path, points=path.points[::-1]) for path in paths])
+
+    def arc(path: GroundPathTarget) -> GroundArc:
+        first, last = ((point.longitude_deg, point.latitude_deg) for point in path.points)
+        is_ahead = len(orders) == 1 or mode.in_sense((first, last), window.passing)[0] == first
+        return GroundArc(path=path, backwards=not is_ahead)
+
+    return [[arc(path) for path in order] for order in orders]
 
 
 def _looks(
-    request: Request, session: ImagingSession
-) -> Iterator[tuple[int, list[list[GroundArc]], Array]]:
-    """Parts of a request: number, arcs in every order, and the starts tried.
+    request: Request, orders: list[list[GroundArc]], session: ImagingSession
+) -> Iterator[tuple[int, Array]]:
+    """Parts of a request, and the starts tried.
 
     Of a stereo pair where the strip's middle is look_angle_deg ahead (or from `start` on), and the
     same behind; or gap_s apart.
     """
-    orders = scan_orders(request, session)
     asked_s = None
     if request.start is not None:
         asked_s = _on_ticks(np.array([elapsed_s(request.start, session.epoch_utc)]))
@@ -200,12 +150,12 @@ def _looks(
             grid_s = np.union1d(
                 grid_s, [math.ceil(opening_s / COMMAND_STEP_S - 1e-6) * COMMAND_STEP_S]
             )
-        yield WHOLE, orders, grid_s if asked_s is None else asked_s
+        yield WHOLE, grid_s if asked_s is None else asked_s
         return
-    [arc] = orders[0]
+    [[arc]] = orders
     tick_s = np.arange(0.0, session.duration_s, COMMAND_STEP_S)
     effort.charge(OPTIONS.point_at_tick * len(tick_s))
-    along_rad, _ = session.passing.look_angles(_point_itrf_m(arc, 0.5), tick_s)
+    along_rad, _ = session.window.passing.look_angles(_point_itrf_m(arc, 0.5), tick_s)
 
     def starts_s_at(angle_deg: float, earlier_s: float = 0.0) -> Array:
         middle_s = tick_s[[np.argmin(np.abs(along_rad - math.radians(angle_deg)))]]
@@ -216,12 +166,12 @@ def _looks(
     angle_deg, gap_s = request.look_angle_deg or MODES.look_angle_deg, request.gap_s
     if gap_s is None:
         first_s, second_s = (starts_s_at(one_deg) + steps_s for one_deg in (angle_deg, -angle_deg))
-        yield OPENS, [[arc]], first_s if asked_s is None else asked_s
+        yield OPENS, first_s if asked_s is None else asked_s
     else:
         first_s = starts_s_at(0.0, 0.5 * gap_s) if asked_s is None else asked_s
         second_s = first_s + _on_ticks(gap_s)
-        yield OPENS, [[arc]], first_s
-    yield COMPLETES, [[arc]], second_s
+        yield OPENS, first_s
+    yield COMPLETES, second_s
 
 
 def _on_ticks(t_s: ArrayLike) -> Array:
@@ -239,7 +189,7 @@ def _from_starts(
     first_s, last_s = _window_s(request, session)
     t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
-    used = np.zeros((2, len(starts_s)))
+    is_held = np.ones(len(starts_s), dtype=bool)
     exit_states: Array | None = None
     for arc in arcs:
         effort.charge(OPTIONS.arc_at_start * len(t_s))
@@ -253,7 +203,8 @@ def _from_starts(
             return
         begins_s = np.vstack([begins_s[:, kept], t_s[kept]])
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
-        used = np.maximum(used[:, kept], _used_shares(arc, t_s[kept], scan_s, session))
+        effort.charge(OPTIONS.held * len(kept))
+        is_held = is_held[kept] & session.holds(arc, t_s[kept])
         t_s = t_s[kept] + scan_s
         exit_states = session.ends(arc, begins_s[-1], scan_s)
     assert exit_states is not None
@@ -269,7 +220,7 @@ def _from_starts(
             entry_state=entry_states[k],
             exit_state=exit_states[k],
             tilt_rad=float(tilt_rad[k]),
-            used_shares=(float(used[0, k]), float(used[1, k])),
+            is_held=bool(is_held[k]),
         )
 
 
@@ -279,7 +230,7 @@ def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, 
         None if utc is None else elapsed_s(utc, session.epoch_utc)
         for utc in (request.window_start, request.window_stop)
     )
-    first_s = 0.0 if opens_s is None else max(opens_s - OPTIONS.rounding_s, 0.0)
+    first_s = max((opens_s or 0.0) - OPTIONS.rounding_s, session.slews.settle_s)
     if closes_s is None:
         return first_s, session.duration_s
     return first_s, min(closes_s + OPTIONS.rounding_s, session.duration_s)
@@ -294,22 +245,6 @@ def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: Imagi
     return np.asarray(starts_s)
 
 
-def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
-    """Shares of the limits of rate and acceleration, (2, n), most used from when each scan is
-    settled onto until it is left."""
-    limits, settle_s = agility_limits(session.platform), session.slews.settle_s
-    count = math.ceil((settle_s + scan_s + COMMAND_STEP_S) / OPTIONS.load_step_s) + 1
-    effort.charge(OPTIONS.load * count * len(begins_s))
-    used = np.zeros((2, len(begins_s)))
-    for after_s in np.linspace(-settle_s, scan_s + COMMAND_STEP_S, count).tolist():
-        _, rate, acceleration, _ = np.split(
-            session.ends(arc, begins_s, after_s), [4, 7, 10], axis=1
-        )
-        motion = BodyMotion(rate, acceleration, np.zeros_like(rate))
-        used = np.maximum(used, limits.shares(motion)[:, :2].T)
-    return used
-
-
 def _in_reach(
     arc: GroundArc, t_s: Array, scan_s: float, session: ImagingSession
 ) -> tuple[Mask, Array]:
@@ -318,7 +253,7 @@ def _in_reach(
     most_rad = np.deg2rad([spacecraft.along_max_deg, spacecraft.across_max_deg])[:, None]
     in_reach, tilt_rad = np.ones(len(t_s), dtype=bool), np.zeros(len(t_s))
     for share in (0.0, 0.5, 1.0):
-        seen = session.passing.look_angles(_point_itrf_m(arc, share), t_s + share * scan_s)
+        seen = session.window.passing.look_angles(_point_itrf_m(arc, share), t_s + share * scan_s)
         in_reach &= np.all(np.abs(seen) <= most_rad, axis=0)
         tilt_rad = np.maximum(tilt_rad, np.abs(seen[0]))
     return in_reach, tilt_rad
@@ -328,36 +263,27 @@ def _point_itrf_m(arc: GroundArc, share: float) -> Array:
     return np.asarray(arc.point_itrf(np.array([share]))[0][0])
 
 
-def _overloaded(
-    request: Request, number: int, looks: Iterable[list[Candidate]], session: ImagingSession
-) -> InfeasibleSlew:
-    """What the scan that comes nearest to the limits asks for, of looks that none can scan."""
-    used = max((min((one.used_shares for one in look), key=max) for look in looks), key=max)
+def _too_fast(request: Request, number: int, session: ImagingSession) -> InfeasibleSlew:
     gyros = session.platform.gyros
     assert gyros is not None  # as of every body of this front
-    worst = used.index(max(used))
-    limit, most, text = (
-        ("rate", gyros.turns.rate_max_deg_s, "turn the body at {} deg/s about an axis"),
-        ("torque", gyros.turns.torque_max_n_m, "take {} N m of the gyros"),
-    )[worst]
     first = "unload momentum first, " if any(gyros.start_n_m_s) else ""
-    told = text.format(figures(used[worst] * most, OPTIONS.used_max * most))
     return InfeasibleSlew(
-        f"scanning {request.name!r} would {told} at least, more than {OPTIONS.used_max:.0%} of the "
-        f"{most:.4g} there are; {first}ask for another scan_speed_m_s or use another pass",
+        f"to scan {request.name!r} the body would have to turn faster than the "
+        f"{gyros.turns.rate_max_deg_s:.4g} deg/s about an axis and {gyros.turns.torque_max_n_m:g} "
+        f"N m there are; {first}ask for another scan_speed_m_s or use another pass",
         field=f"requests.{number}",
-        limit=limit,
+        limit="rate",
     )
 
 
 def _never_seen(
-    request: Request, number: int, layout: _Layout, session: ImagingSession
+    request: Request, number: int, arcs: list[GroundArc], session: ImagingSession
 ) -> Unreachable:
     """Say when it would come closest, and at what angles."""
-    spacecraft, (arcs, *_) = session.spacecraft, scan_orders(request, session)
+    spacecraft = session.spacecraft
     ends_itrf_m = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
     grid_s = np.arange(0.0, session.duration_s, 1.0)
-    along_rad, across_rad = session.passing.look_angles(ends_itrf_m.mean(axis=0), grid_s)
+    along_rad, across_rad = session.window.passing.look_angles(ends_itrf_m.mean(axis=0), grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
     at_utc = shifted_utc(session.epoch_utc, float(grid_s[abeam]))
     where = "the track doesn't pass it"
@@ -366,13 +292,13 @@ def _never_seen(
             f"closest at {utc_text(at_utc, 1)}, {math.degrees(along_rad[abeam]):.1f} deg along and "
             f"{math.degrees(across_rad[abeam]):.1f} deg across the track"
         )
-    least, less = f"{layout.least_s:.1f} s", "shorten the request"
-    takes = f"{least} that {layout.scans} scans, with the slews between, take at least"
+    scan_s, less = sum(arc.duration_s for arc in arcs), "shorten the request"
+    takes = f"{scan_s:.1f} s it takes to scan"
     if isinstance(request, StereoRequest):
-        takes = f"{arcs[0].duration_s:.1f} s that each look takes"
+        takes = f"{scan_s:.1f} s that each look takes"
         less += f", ask for a smaller {'look_angle_deg' if request.gap_s is None else 'gap_s'}"
-    elif layout.scans == 1:
-        takes = f"{least} it takes to scan"
+    elif len(arcs) > 1:
+        takes = f"{scan_s:.1f} s that {len(arcs)} scans take, and the slews between"
     return Unreachable(
         f"{request.name!r} is never wholly within {spacecraft.along_max_deg:g} deg along and "
         f"{spacecraft.across_max_deg:g} deg across the track, in its window and session, for the "

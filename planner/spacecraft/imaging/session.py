@@ -22,14 +22,17 @@ from planner.motion.attitude.track import pointed_quaternions
 from planner.planning.campaigns.platforms.body import OPTIONS as FOLLOWING
 from planner.planning.campaigns.platforms.body import moving_state, slew_limits
 from planner.planning.campaigns.platforms.slew_fits import SUFFICIENT, FollowerLimits, slew_fits
+from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.platforms.body import BodyLookout
+from planner.planning.opportunities.sights import scan_sight
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.world.frames.earth_orientation import c_itrf_from_eci
-from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
 from planner.world.targets.ground_path import GroundPathTarget
-from planner.world.targets.passing import Passing
+from planner.world.targets.imaging import ScanWindow
 
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
 
@@ -205,10 +208,26 @@ class ImagingSession:
         return self.ends(arc, begins_s, -self.slews.settle_s)
 
     @cached_property
-    def passing(self) -> Passing:
-        """Where points on the ground are seen."""
-        return Passing(
-            ephemeris=self.ephemeris, start_utc=self.epoch_utc, duration_s=self.duration_s
+    def _lookout(self) -> tuple[BodyLookout, Carrier]:
+        lookout = BodyLookout(self.platform, None)
+        stop_utc = self.window.stop_utc
+        return lookout, carrier_over(self.ephemeris, lookout, self.epoch_utc, stop_utc)
+
+    def holds(self, arc: GroundArc, begins_s: Array) -> Mask:
+        """Whether the body can follow an arc whose scans begin then, settled before, (n,)."""
+        lookout, carrier = self._lookout
+        around_s = self.slews.settle_s + COMMAND_STEP_S
+        sight = scan_sight(carrier, arc.path, None, begins_s, around_s)
+        return lookout.held_scans(sight, begins_s, arc.ticks * COMMAND_STEP_S).as_session
+
+    @cached_property
+    def window(self) -> ScanWindow:
+        """Of all scans."""
+        return ScanWindow(
+            orbit=self.request.orbit,
+            scanning=self.platform.scanning,
+            start_utc=self.epoch_utc,
+            stop_utc=shifted_utc(self.epoch_utc, self.duration_s),
         )
 
 
