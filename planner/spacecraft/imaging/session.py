@@ -23,7 +23,8 @@ from planner.planning.campaigns.platforms.body import OPTIONS as FOLLOWING
 from planner.planning.campaigns.platforms.body import moving_state, slew_limits
 from planner.planning.campaigns.platforms.slew_fits import SUFFICIENT, FollowerLimits, slew_fits
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.planning.opportunities.platforms.body import BodyLookout
+from planner.planning.opportunities.platforms.lookout import Lookout
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import scan_sight
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.vehicle import AgileSpacecraft
@@ -208,8 +209,8 @@ class ImagingSession:
         return self.ends(arc, begins_s, -self.slews.settle_s)
 
     @cached_property
-    def _lookout(self) -> tuple[BodyLookout, Carrier]:
-        lookout = BodyLookout(self.platform, None)
+    def _lookout(self) -> tuple[Lookout, Carrier]:
+        lookout = lookout_of(self.platform, None)
         stop_utc = self.window.stop_utc
         return lookout, carrier_over(self.ephemeris, lookout, self.epoch_utc, stop_utc)
 
