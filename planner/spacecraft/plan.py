@@ -125,7 +125,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         greedy_value=chosen.choice.greedy_value,
         bound=bound_of(options, session.priorities, session.slews, value),
     )
-    warnings = whole.warnings
+    warnings, slews = whole.warnings, tuple(report_slews(session.platform, whole))
     runs = _affordable_runs(request, len(whole.table.position))
     if runs < request.simulation_runs:
         warnings += (
@@ -148,7 +148,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         request=request,
         whole=whole,
         windows=verification.windows,
-        slews=tuple(report_slews(session.platform, whole)),
+        slews=slews,
         choice=choice,
         left_out=(*unseen, *chosen.left_out),
         verification=verification,
