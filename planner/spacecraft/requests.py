@@ -110,12 +110,6 @@ class AreaRequest(ImagingRequest):
     geometry: GeoPolygon
     azimuth_deg: Annotated[float, Within(-360.0, 360.0)] | None = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        rings = len(self.geometry.coordinates)
-        if rings != 1:
-            raise ValueError(f"geometry: a polygon has one ring and no holes, not {rings}")
-
 
 @spec
 class CorridorRequest(ImagingRequest):
