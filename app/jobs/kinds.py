@@ -89,8 +89,7 @@ CARRIERS = Shares(
 )
 CAMPAIGN = JobKind(
     name="campaign",
-    # 1,000 targets over 7 days, the most of one carrier, took 48 s of a core and 0.8 GB; of 100
-    # carriers with 10,000 targets a day each the choice took 240 s and 3 GB, see `bench/fleet.py`.
+    # Of 100 carriers and 10,000 targets the choice takes 230 s and 2.8 GB (bench/fleet.py).
     bounds=Bounds(deadline_s=1800.0, memory_mib=4000),
     work=choose,
     shares=CARRIERS,

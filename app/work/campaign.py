@@ -104,8 +104,7 @@ def choose(
 ) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal.
 
-    found: by `find_looks`, of every carrier or none; emptied, as both forms of it together would
-    take twice the memory.
+    found: by `find_looks`, of every carrier or none; emptied, so that memory holds it once.
     """
     from planner.planning.campaigns import choose_what_is_asked
 
