@@ -13,13 +13,16 @@ import numpy as np
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.rotation import Rotation
-from planner.planning.sessions.platforms.mover import Join
+from planner.motion.attitude.problem import rows_of
+from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
+from planner.planning.sessions.track_branches import seen_from_s
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
+from planner.world.orbits import Ephemeris
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
 
 
@@ -110,6 +113,10 @@ def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Time
         *onto, final = mover.with_final_slew(ephemeris, joins)
     except InfeasibleSlew as why:
         raise DoesNotFit(owners[-1], why) from None
+    if scenario.slew.objective == "minimum_time":
+        onto = [
+            _hastened(mover, ephemeris, *one) for one in zip(scenario.sessions, onto, strict=True)
+        ]
     return Timeline(
         scenario=scenario,
         joins=[*onto, replace(final, stop_row=round(session.duration_s / COMMAND_STEP_S))],
@@ -123,3 +130,24 @@ def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Time
             for k, (name, arc) in enumerate(zip(names, arcs, strict=True))
         ),
     )
+
+
+def _hastened(mover: Mover, ephemeris: Ephemeris, session: Session, join: Join) -> Join:
+    """Out of its wait, if any, in the least time, too, from when on the scan's line is followed."""
+    if not join.slew.wait:
+        return join
+    track, joined_s = join.track, join.join_row / ROWS_PER_S
+    branch = TrackBranch(
+        session=session,
+        track=track,
+        rows=RowSpan(start=join.join_row, stop=join.stop_row),
+        seen_from_s=max(seen_from_s(track.los, joined_s), float(track.t_s[0])),
+        ephemeris=ephemeris,
+        settle_rows=join.settle_rows,
+    )
+    idle = rows_of(join.slew.slew.motion, slice(1))
+    try:
+        quick = mover.slew_onto(branch, join.slew_row, idle)
+    except InfeasibleSlew:  # no quicker one is found than that which is known
+        return join
+    return replace(join, slew=replace(join.slew, slew=quick.slew.slew), join_row=quick.join_row)

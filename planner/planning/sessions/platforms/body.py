@@ -309,10 +309,7 @@ class BodyMover:
         if wait is not None:
             slew_row = wait.rows.stop
             state = self._idle(branch.ephemeris, slew_row, slew_row)
-            is_early = len(goal.position) > 1
             goal, first_row = there, branch.rows.start
-            if is_early:
-                goal, first_row = self._early_goal(branch, slew_row, first_row)
         return _Solved(self._solve(branch.ephemeris, slew_row, state, goal, first_row), wait)
 
     def with_final_slew(self, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
