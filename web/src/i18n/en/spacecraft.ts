@@ -8,8 +8,7 @@ export const spacecraft = {
   session: "Session",
   examples: "Examples:",
   example: { fourModes: "four modes", eightAreas: "eight areas", stripAndStereo: "strip and stereo pair" },
-  jsonHint:
-    "As POST /v1/spacecraft/plans takes it; speeds, windows and stereo angles are changed here.",
+  jsonHint: "As POST /v1/spacecraft/plans takes it; speeds, windows and stereo angles are changed here.",
   send: "Plan the session",
   passes: {
     title: "When does it pass?",
