@@ -28,6 +28,7 @@ from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import Stop, Task, run_here
 from app.store.packed import unzip
 from app.work.progress import Progress
+from planner.world.orbits.tle import checksum
 
 ROOT = Path(__file__).parent.parent
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
@@ -137,8 +138,7 @@ def _spread(orbit: dict[str, str], number: int, of: int) -> dict[str, str]:
     anomaly_deg = (360.0 * (number // 10) / max(of // 10, 1) + 11.0 * (number % 10)) % 360.0
     line = orbit["line2"]
     line = f"{line[:17]}{node_deg:8.4f}{line[25:43]}{anomaly_deg:8.4f}{line[51:68]}"
-    check = sum(int(c) if c.isdigit() else c == "-" for c in line) % 10
-    return {**orbit, "line2": f"{line}{check}"}
+    return {**orbit, "line2": f"{line}{checksum(line)}"}
 
 
 if __name__ == "__main__":

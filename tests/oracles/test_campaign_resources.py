@@ -69,7 +69,7 @@ SMALLSAT = {"platform": BODIES["smallsat-120kg"], "rest_angles_deg": None}
 
 def chosen(monkeypatch, request):
     """A campaign, and what it was chosen from."""
-    kept, found, exchanged = {}, campaigns.choose_keeping, campaigns._exchanged
+    kept, found, exchanged = {}, campaigns.choose_keeping, campaigns.exchange_looks
 
     def keeping(*given, **named):
         kept["keeping"], kept["networks"], kept["looking"], *_ = given
@@ -80,7 +80,7 @@ def chosen(monkeypatch, request):
         return kept["choice"], left_out
 
     monkeypatch.setattr(campaigns, "choose_keeping", keeping)
-    monkeypatch.setattr(campaigns, "_exchanged", exchanging)
+    monkeypatch.setattr(campaigns, "exchange_looks", exchanging)
     return choose_campaign(request), kept
 
 

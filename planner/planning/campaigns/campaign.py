@@ -18,28 +18,15 @@ from planner.planning.campaigns.carrier_looks import (
     looks_of_carrier,
     windows_of_carrier,
 )
-from planner.planning.campaigns.choice import (
-    CampaignChoice,
-    ChoiceOptions,
-    Looking,
-    Passes,
-    bound_at,
-    with_group,
-    worth_of,
-)
+from planner.planning.campaigns.choice import CampaignChoice, bound_at
 from planner.planning.campaigns.chosen import (
     ChosenLook,
     UnchosenByAll,
     UnchosenTarget,
     UnseenByAll,
 )
-from planner.planning.campaigns.displaced import (
-    Displaced,
-    Exchanged,
-    beside,
-    displaced_by,
-    lacking,
-)
+from planner.planning.campaigns.displaced import Displaced
+from planner.planning.campaigns.exchanges import exchange_looks
 from planner.planning.campaigns.fewer_looks import (
     KeptLooks,
     best_views,
@@ -53,7 +40,7 @@ from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.resources import OPTIONS, Keeping, RunsOut
+from planner.planning.campaigns.resources import Keeping
 from planner.planning.campaigns.revision import PassResources, RevisionFound
 from planner.planning.campaigns.stores import begun_with
 from planner.planning.opportunities.closing import Unseen
@@ -195,7 +182,7 @@ def choose_together(
     choice, rows = choose_keeping(
         keeping, networks, looking, tell, joined.first_unheld, prove=prove
     )
-    choice, left_out = _exchanged(joined, looking, choice, keeping)
+    choice, left_out = exchange_looks(joined, looking, choice, keeping)
     tell("proof", 0, 1, value=choice.value)
     if keeping is not None and rows:
         bound = bound_keeping(keeping, Relaxed(joined), looking, choice, rows)
@@ -341,96 +328,6 @@ def _nearest(joined: Joined, rows: Mapping[str, Mapping[str, int]]) -> Mapping[s
             if high_rad > best_rad[one]:
                 best_rad[one], nearest[one] = high_rad, carrier
     return nearest
-
-
-def _exchanged(
-    joined: Joined, looking: Looking, choice: CampaignChoice, keeping: Keeping | None
-) -> tuple[CampaignChoice, tuple[Displaced, ...]]:
-    """The choice with looks in the place of what is worth less, as long as any are found; then the
-    look that each target, or scan, without one came nearest to."""
-    left = OPTIONS.exchanges_max
-    while True:
-        found: list[Displaced] = []
-        for one, better in _nearest_looks(joined, looking, choice, keeping):
-            found.append(one)
-            if better is not None and left > 0:
-                choice = replace(choice, passes=tuple(better), value=worth_of(better))
-                break
-        else:
-            return choice, tuple(found)
-        left -= 1
-
-
-def _nearest_looks(
-    joined: Joined, looking: Looking, choice: CampaignChoice, keeping: Keeping | None
-) -> Iterator[tuple[Displaced, Passes | None]]:
-    """The look that each target without one came nearest to, and a better choice with it, where
-    there is one."""
-    networks, candidates, group = joined.networks, joined.candidates, looking.group
-    chosen = [look for looks in choice.passes for look in looks]
-    looked_at = {candidates[look.target].wanted.id for look in chosen}
-    groups = {
-        one.target: tuple(other for other in chosen if group[other.target] == group[one.target])
-        for one in chosen
-        if group[one.target] >= 0
-    }
-    worth = joined.looking.less_prices(np.zeros(len(candidates)))
-    exchanged = [
-        Exchanged(number, network, looks, looking.settled(worth, number), groups)
-        for number, (network, looks) in enumerate(zip(networks, choice.passes, strict=True))
-    ]
-    unchosen = [n for n in sorted(joined.seen) if candidates[n].wanted.id not in looked_at]
-    left_out = displaced_by(exchanged, np.array(unchosen, np.intp))
-    tries = max(OPTIONS.looks_tried // max(len(left_out), 1), 1)
-    with_groups: dict[int, tuple[Passes | None, RunsOut | None]] = {}
-    for one in left_out:
-        own_group, better = int(group[one.look.target]), None
-        if own_group < 0:
-            one = lacking(one, exchanged, keeping, joined.first_unheld, tries) if keeping else one
-            is_better = one.out is None and one.gain > ChoiceOptions.worthless
-            better = one.taken(choice.passes) if is_better else None
-        elif keeping is not None:
-            if own_group not in with_groups:
-                with_groups[own_group] = _with_group(
-                    joined, looking, choice, exchanged, keeping, own_group, tries
-                )
-            better, out = with_groups[own_group]
-            one = replace(one, out=out)
-        if (
-            better is not None
-            and all(joined.first_unheld(looks) is None for looks in better)
-            and (keeping is None or keeping.keeps(better))
-        ):
-            yield one, better
-        else:
-            yield one, None
-
-
-def _with_group(
-    joined: Joined,
-    looking: Looking,
-    choice: CampaignChoice,
-    exchanged: Sequence[Exchanged],
-    keeping: Keeping,
-    group: int,
-    tries: int,
-) -> tuple[Passes | None, RunsOut | None]:
-    """A better choice with all of a group that keeps, or else what the first one runs out of."""
-    found = with_group(joined.networks, looking, list(choice.passes), joined.first_unheld, group)
-    carriers, members = range(len(joined.carriers)), frozenset(looking.members(group).tolist())
-    tried = (
-        (kept, out)
-        for passes in found
-        for _, kept, out in beside(
-            passes, worth_of(passes) - choice.value, members, exchanged, keeping, carriers
-        )
-    )
-    first: RunsOut | None = None
-    for kept, out in itertools.islice(tried, tries):
-        if out is None:
-            return kept, None
-        first = first or out
-    return None, first
 
 
 def _left_out(joined: Joined, left_out: Sequence[Displaced]) -> tuple[UnchosenTarget, ...]:

@@ -223,7 +223,7 @@ def choose(
     return Search(networks, looking, first_unheld, options).found(tell, prove)
 
 
-def with_group(
+def choices_with_group(
     networks: Sequence[Network],
     looking: Looking,
     passes: Passes,

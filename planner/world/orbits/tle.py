@@ -251,6 +251,11 @@ def _lines_of(content: str) -> tuple[str, str]:
     return lines[-2], lines[-1]
 
 
+def checksum(line: str) -> int:
+    """The digit that a line is to end in."""
+    return sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+
+
 def _check_line(name: str, number: str, line: str) -> None:
     """Length, number and checksum: ValueError names what is wrong."""
     foreign = next((c for c in line if not c.isascii()), None)
@@ -260,7 +265,7 @@ def _check_line(name: str, number: str, line: str) -> None:
         raise ValueError(f"{name} has {len(line)} characters; a TLE line has {_LENGTH}")
     if not line.startswith(f"{number} "):
         raise ValueError(f"{name} begins with {line[:2]!r}, not {number!r}; are the lines swapped?")
-    total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+    total = checksum(line)
     if line[68] != str(total):
         raise ValueError(
             f"{name} ends in checksum {line[68]!r}, its digits give {total}; copy the line again"
