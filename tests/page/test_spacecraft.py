@@ -42,6 +42,7 @@ def test_a_kept_session_is_shown_with_what_is_left_out_and_taken_away(open_page,
     expect(looks).to_have_count(len(session["windows"]))
     for chart in ("Rate in °/s", "Gimbal angles in °", "Momentum in N·m·s"):
         expect(page.get_by_role("img", name=f"{chart} over time")).to_be_visible()
+    expect(page.get_by_role("img", name="Rate error while imaging")).to_be_visible()
     assert violations(page) == []
     # Time moves the momentum as it moves every plan.
     sphere = page.get_by_role("region", name="Momentum of the gyros")

@@ -59,5 +59,10 @@ export const spacecraft = {
     torqueRate: "Torque rate, N·m/s",
     torqueRateEigenaxis: "Same, eigenaxis, N·m/s",
   },
+  errors: {
+    title: "Rate error while imaging",
+    worst: (worst: string, limit: string, runs: number) => `worst of ${runs} runs ${worst}, limit ${limit}`,
+    told: "Rate error while imaging over the session's time",
+  },
   assumptions: "What the numbers rest on",
 };

@@ -60,5 +60,10 @@ export const spacecraft: Words["spacecraft"] = {
     torqueRate: "Скорость момента, Н·м/с",
     torqueRateEigenaxis: "То же, ось Эйлера, Н·м/с",
   },
+  errors: {
+    title: "Ошибка скорости при съёмке",
+    worst: (worst, limit, runs) => `худшее из ${runs} прогонов ${worst}, предел ${limit}`,
+    told: "Ошибка скорости при съёмке за время сеанса",
+  },
   assumptions: "На чём стоят числа",
 };

@@ -10,6 +10,7 @@ import { Identity } from "../../parts/Identity";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { checksum } from "../../parts/paper";
+import type { Common } from "../viewer/Charts";
 import { useViewer } from "../viewer/load";
 import { Figures } from "./Figures";
 import { identityOf, nameOf } from "./identity";
@@ -25,12 +26,14 @@ interface Props {
   plan: Plan;
   /** Where it was asked for: of an imaging session elsewhere. */
   asked?: Asked;
+  /** Charts of its own, over the viewer's time. */
+  more?: (common: Common) => ComponentChildren;
   /** What is told of it beside the verdict, and below the figures. */
   beside?: ComponentChildren;
   below?: ComponentChildren;
 }
 
-export function ShownPlan({ plan, asked = OF_SESSIONS, beside, below }: Props) {
+export function ShownPlan({ plan, asked = OF_SESSIONS, more, beside, below }: Props) {
   const text = words.value;
   const { id } = plan;
   const viewer = useViewer();
@@ -70,7 +73,7 @@ export function ShownPlan({ plan, asked = OF_SESSIONS, beside, below }: Props) {
       <Verdict plan={plan} />
       {beside}
       {viewer.error !== null && <ProblemNotice error={viewer.error} again={() => void viewer.ask()} />}
-      {Viewer && <Viewer plan={plan} />}
+      {Viewer && <Viewer plan={plan} more={more} />}
       {!Viewer && viewer.error === null && <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">
         <div>

@@ -8,6 +8,7 @@ import { Notices } from "../../parts/Notices";
 import type { RoomProps } from "../../room";
 import type { Plan } from "../plan/plan";
 import { ShownPlan } from "../plan/ShownPlan";
+import { RateErrors } from "./RateErrors";
 import { Looks, Slews } from "./SessionTables";
 import { fetchSession, PATH, type Session } from "./session";
 
@@ -28,6 +29,7 @@ export default function OneSession({ params }: RoomProps) {
       <ShownPlan
         plan={answer.plan}
         asked={ASKED}
+        more={(common) => <RateErrors session={answer} common={common} />}
         beside={<Imaged session={answer} plan={answer.plan} />}
         below={<Below session={answer} />}
       />

@@ -1,4 +1,5 @@
 /** Charts over the plan's time: motion of the axes, pointing, sight. */
+import type { ComponentChildren } from "preact";
 import { useMemo, useState } from "preact/hooks";
 
 import { RangeButtons, useTimeRange } from "../../charts/range";
@@ -30,9 +31,11 @@ interface Props {
   /** The stretch to come closer to; null for the whole plan. */
   chosen: Stretch | null;
   onWhole: () => void;
+  /** Charts beside those of every plan. */
+  more?: (common: Common) => ComponentChildren;
 }
 
-export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
+export function Charts({ view, plan, stretches, chosen, onWhole, more }: Props) {
   const text = words.value.viewer.charts;
   const stop_s = lastOf(view.t_s);
   const epoch_ms = Date.parse(view.epoch);
@@ -96,6 +99,7 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
         </div>
       ))}
       {view.gyros && <GyroCharts gyros={view.gyros} common={common} withLimits={withLimits} />}
+      {more?.(common)}
       <Pointing view={view} plan={plan} common={common} />
       <Exclusions view={view} common={common} withLimits={withLimits} />
       {view.resources.map((one) => (

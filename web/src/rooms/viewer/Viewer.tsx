@@ -1,4 +1,5 @@
 /** The view of a plan: globe, charts and cameras by one time cursor. */
+import type { ComponentChildren } from "preact";
 import { useMemo, useRef, useState } from "preact/hooks";
 
 import { useRequest } from "../../api/request";
@@ -8,7 +9,7 @@ import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { AxisSpace } from "./AxisSpace";
-import { Charts } from "./Charts";
+import { Charts, type Common } from "./Charts";
 import { Sphere } from "./Gyros";
 import { HorizonViews } from "./HorizonViews";
 import { ImageFrame } from "./ImageFrame";
@@ -20,9 +21,11 @@ import { fetchView, hasAngles, lastOf, stretchesOf, type View } from "./view";
 
 interface Props {
   plan: Plan;
+  /** Charts of its own, over the same time. */
+  more?: (common: Common) => ComponentChildren;
 }
 
-export default function Viewer({ plan }: Props) {
+export default function Viewer({ plan, more }: Props) {
   const text = words.value;
   const {
     answer: view,
@@ -34,10 +37,10 @@ export default function Viewer({ plan }: Props) {
   });
   if (error !== null) return <ProblemNotice error={error} again={() => void ask()} />;
   if (!view) return <p class="loading">{text.shell.loading}</p>;
-  return <Opened view={view} plan={plan} />;
+  return <Opened view={view} plan={plan} more={more} />;
 }
 
-function Opened({ view, plan }: Props & { view: View }) {
+function Opened({ view, plan, more }: Props & { view: View }) {
   const { kinds, title } = words.value.viewer;
   const box = useRef<HTMLDivElement>(null);
   const [chosen, setChosen] = useState<Stretch | null>(null);
@@ -55,7 +58,7 @@ function Opened({ view, plan }: Props & { view: View }) {
             <Scene view={view} />
             <Readout view={view} />
           </div>
-          <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} />
+          <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} more={more} />
         </div>
         <HorizonViews plan={plan} epoch_ms={epoch_ms} stop_s={stop_s} />
         <TimeBar epoch_ms={epoch_ms} stop_s={stop_s} stretches={stretches} within={() => box.current} onStretch={setChosen} />
