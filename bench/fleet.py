@@ -19,6 +19,7 @@ import signal
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,7 @@ def main() -> None:
     def tell(progress: Progress) -> None:
         begins.setdefault(progress.stage, time.monotonic())
 
+    run_here(replace(task, work=len, arguments=(body,)), Stop())  # their server is warm, as ever
     begun = time.monotonic()
     made = sharing.run(CARRIERS, task, Stop(), tell)
     ended = time.monotonic()

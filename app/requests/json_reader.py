@@ -4,6 +4,7 @@ The HTTP service and the command line read requests here and nowhere else.
 """
 
 import dataclasses
+import functools
 import json
 import math
 import re
@@ -356,20 +357,25 @@ def json_fields(value: object, words: Mapping[str, Any] = {}) -> dict[str, Any]:
     words: of fields that are to stay as they were sent, since they may be said in several ways:
     a platform by its name, an orbit as a file's content.
     """
-    assert dataclasses.is_dataclass(value)
-    kinds = get_type_hints(type(value))
+    kinds = _kinds_of(type(value))  # type: ignore[arg-type]  # a class has a hash
     written = {}
+    assert dataclasses.is_dataclass(value)
     for field in dataclasses.fields(value):
         given = getattr(value, field.name)
         if field.name in words:
             written[field.name] = words[field.name]
-        elif _is_kind(kinds[field.name]) or given != _default(field):
+        elif field.name in kinds or given != _default(field):
             written[field.name] = _plain(given)
     return written
 
 
-def _is_kind(annotation: object) -> bool:
-    return get_origin(annotation) is Literal and len(get_args(annotation)) == 1
+@functools.cache
+def _kinds_of(kind: type) -> frozenset[str]:
+    """Fields that have one value by which a kind is told apart."""
+    hints = get_type_hints(kind).items()
+    return frozenset(
+        name for name, hint in hints if get_origin(hint) is Literal and len(get_args(hint)) == 1
+    )
 
 
 def _default(field: "dataclasses.Field[Any]") -> object:

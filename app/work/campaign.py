@@ -61,20 +61,21 @@ def carriers_apart(
     """
     from planner.planning.campaigns import fewer_looks, looks_of_carrier, requests_to_choose
 
+    seen = dict(map(_unpacked, found[:1]))
+    if any(not isinstance(one, fewer_looks.SeenByCarrier) for one in seen.values()):
+        return ()
     request = request or read_campaign_request(body)
     if not isinstance(request, FleetRequest) or not request.is_large:
         return ()
     requests = requests_to_choose(request)
     if len(requests) < 2:
         return ()
-    is_often = fewer_looks.sees_often(requests)
-    if not found:
+    if not seen:
+        is_often = fewer_looks.sees_often(requests)
         all_looks = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
         find = fewer_looks.seen_by_carrier if is_often else all_looks
         return [_share(carrier, find, one) for carrier, one in requests.items()]
-    if not is_often or not isinstance(_unpacked(found[0])[1], fewer_looks.SeenByCarrier):
-        return ()
-    seen = dict(map(_unpacked, found))
+    seen |= map(_unpacked, found[1:])
     kept = fewer_looks.looks_to_keep([one.views for one in seen.values()])
     return [
         _share(carrier, fewer_looks.kept_of_carrier, requests[carrier], one.packed_windows, own)
@@ -114,6 +115,7 @@ def choose(
     looks = dict(_unpacked(found.pop(0)) for _ in range(len(found)))
     requests, campaign = choose_what_is_asked(request, report, looks)
     words, told = {"": document}, _choice(request, campaign)
+    asked = {target["id"]: target["target"] for target in document["targets"]}
     if isinstance(request, FleetRequest):
         words = {one["id"]: one for one in document["carriers"]}
         told = _fleet_choice(told, request, campaign)
@@ -121,7 +123,7 @@ def choose(
     return Result(
         content=(zlib.compress(to_json(told)),),
         parts=tuple(
-            _part(document, words[flight.carrier], requests[flight.carrier], number, flight)
+            _part(document, asked, words[flight.carrier], requests[flight.carrier], number, flight)
             for number, flight in enumerate(campaign.passes, first)
         ),
     )
@@ -218,18 +220,18 @@ def _choice(request: CampaignRequest | FleetRequest, campaign: "Campaign") -> Ca
 
 def _part(
     document: Mapping[str, Any],
+    asked: Mapping[str, Any],
     own: Mapping[str, Any],
     request: CampaignRequest,
     number: int,
     flight: "ChosenPass",
 ) -> Part:
-    """own: the carrier's words, of a campaign of one all of them."""
+    """asked: targets in their words, by id.  own: the carrier's, of a campaign of one all."""
     from planner.planning.campaigns import scenario_of
 
     scenario = scenario_of(request, flight, number)
     carried = _CARRIED_OVER if scenario.slew == request.slew else _CARRIED_OVER[:-1]
     words = {name: own[name] for name in carried if name in own}
-    asked = {target["id"]: target["target"] for target in document["targets"]}
     target_words = [
         asked[look.target] if look.path is None else json_fields(look.path) for look in flight.looks
     ]

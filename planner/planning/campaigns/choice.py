@@ -1,6 +1,7 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
@@ -223,6 +224,18 @@ def choose(
     return Search(networks, looking, first_unheld, options).found(tell, prove)
 
 
+def _telling(tell: Reporter, proof: "Future[float] | None") -> Reporter:
+    """With the bound, once that is proven."""
+
+    def told(
+        stage: str, done: int, of: int, /, *, value: float | None = None, bound: float | None = None
+    ) -> None:
+        bound = proof.result() if proof is not None and proof.done() else bound
+        tell(stage, done, of, value=value, bound=bound)
+
+    return told
+
+
 def choices_with_group(
     networks: Sequence[Network],
     looking: Looking,
@@ -300,18 +313,20 @@ class Search:
     def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
         """The choice, after all of the search.
 
-        prove: the bound at prices, told as soon as these are found.
+        prove: the bound at prices, told as soon as it is proven.
         """
         greedy_value, bound = self.begin(), np.inf
         self.take_groups()
         mixture = self.find_prices(tell)
-        if prove is not None:
-            tell("bound", 0, 1, value=self.value)
-            bound = prove(self.price)
-            tell("bound", 1, 1, value=self.value, bound=bound)
-        if mixture is not None:
-            self.make_whole(mixture, tell)
-            self.put_together(tell)
+        with ThreadPoolExecutor(1) as beside:  # the linear programmes leave processors to it
+            proof = None if prove is None else beside.submit(prove, self.price)
+            if mixture is not None:
+                self.make_whole(mixture, _telling(tell, proof))
+                self.put_together(_telling(tell, proof))
+            if proof is not None:
+                tell("bound", 0, 1, value=self.value)
+                bound = proof.result()
+                tell("bound", 1, 1, value=self.value, bound=bound)
         self.take_groups()
         self.fill_exactly(bound)
         return CampaignChoice(
@@ -637,6 +652,9 @@ class Search:
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
         """Groups that may be put into a pass or taken out of it: none, one, or one for another."""
         looking = self._looking
+        yield ()
+        if not looking.groups:
+            return
         here = np.bincount(
             looking.group + 1, looking.looks_of([self.best[number]]), looking.groups + 1
         )
@@ -645,7 +663,6 @@ class Search:
         lacking = np.bincount(looking.group + 1, ~there, looking.groups + 1)
         inside = [g for g in range(looking.groups) if 0.0 < here[g + 1] == count[g + 1]]
         outside = [g for g in range(looking.groups) if not count[g + 1] and not lacking[g + 1]]
-        yield ()
         for one in (*inside, *outside):
             yield (one,)
         for one in inside:

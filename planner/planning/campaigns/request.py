@@ -308,7 +308,7 @@ class CampaignRequest(CarrierCommon, CampaignCommon):
                 f"{self.conditions.min_gap_s:g}: passes then have no room for two looks"
             )
 
-    @property
+    @cached_property
     def counted_target_days(self) -> float:
         """Targets times days, what takes longer counted more often."""
         counted = sum(

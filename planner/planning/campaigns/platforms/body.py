@@ -24,7 +24,6 @@ from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.looks import CarrierTables, Places, look
 from planner.planning.opportunities.platforms.body import BodyLookout
-from planner.planning.opportunities.request import OpportunityTarget
 from planner.planning.opportunities.sights import Sight, in_sights, visible_target
 from planner.planning.opportunities.tracking import (
     NEAREST,
@@ -222,7 +221,7 @@ class BodyFollower:
         """How a target is looked at, with those that are seen alike, and its number among them."""
         if row not in self._seen_as:
             targets = [
-                (row, OpportunityTarget(id=wanted.id, target=wanted.target, roll=wanted.roll))
+                (row, wanted.opportunity)
                 for row, wanted in enumerate(self._request.targets)
                 if not isinstance(wanted.target, ImagingMode)
             ]
