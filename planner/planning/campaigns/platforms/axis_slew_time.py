@@ -19,7 +19,8 @@ def slew_time_s(start_axes: Array, end_axes: Array, limits: Array, sign: float) 
     """Seconds for all axes; sign 1: surely enough, -1: no motion is quicker.
 
     start_axes, end_axes: (3, m), angle, rate, acceleration.  limits: (m, 3).  Hard stops are left
-    out, and so are gaps: of the durations above the least one, some may be impossible.
+    out, and so are gaps: of the durations above the least one, some may be impossible, where an
+    axis can't slow down enough on the way (`axes_fit` tells).
     """
     needed_s = 0.0
     for axis in range(start_axes.shape[1]):
@@ -32,10 +33,13 @@ def slew_time_s(start_axes: Array, end_axes: Array, limits: Array, sign: float) 
 def axes_fit(
     start_axes: Array, end_axes: Array, limits: Array, sign: float, available_s: float
 ) -> bool:
-    """Whether `slew_time_s` is at most available_s, told as soon as it is certain."""
+    """Whether `slew_time_s` is at most available_s, told as soon as it is certain; with sign 1 and
+    whether each axis surely can take just so long, no gap in the way."""
     for axis in range(start_axes.shape[1]):
         start, end = start_axes[:, axis], end_axes[:, axis]
         if _axis_time_s(start, end, limits[axis], sign, available_s) > available_s:
+            return False
+        if sign > 0.0 and not _can_last(start, end, limits[axis], available_s):
             return False
     return True
 
@@ -46,6 +50,45 @@ def _axis_time_s(
 ) -> float:
     """One axis; only as exactly as tells on which side of available_s it is, unless that is NaN."""
     v, a, j = axis_limits
+    delta_rad, v0, v1, ramps_s = _without_ramps(start_state, end_state, axis_limits, sign)
+    if sign < 0.0 and not _is_plain(delta_rad, v0, v1, a, j):
+        j = BOUNDLESS
+    return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s - ramps_s) + ramps_s)
+
+
+@compiled
+def _can_last(start_state: Array, end_state: Array, axis_limits: Array, lasts_s: float) -> bool:
+    """Of one axis that can be there in less, whether it surely can take just so long.
+
+    Motions of one duration are a convex set, so that they cover all ways from the shortest to the
+    longest: it can if a motion is known that gets no further.
+    """
+    v, a, j = axis_limits
+    delta_rad, v0, v1, ramps_s = _without_ramps(start_state, end_state, axis_limits, 1.0)
+    left_s, stop0_s, stop1_s = lasts_s - ramps_s, change_s(v0, a, j), change_s(v1, a, j)
+    if left_s >= stop0_s + stop1_s and 0.5 * (v0 * stop0_s + v1 * stop1_s) <= delta_rad:
+        return True  # at rest in between
+    # Seen the other way round, up to a peak and down again, which takes just so long.
+    low, high = max(-v0, -v1), v
+    most_s = change_s(high + v0, a, j) + change_s(high + v1, a, j)
+    if left_s >= most_s:
+        return -_way_rad(high, -v0, -v1, a, j) - high * (left_s - most_s) <= delta_rad
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if change_s(middle + v0, a, j) + change_s(middle + v1, a, j) <= left_s:
+            low = middle
+        else:
+            high = middle
+    return -_way_rad(low, -v0, -v1, a, j) <= delta_rad
+
+
+@compiled
+def _without_ramps(
+    start_state: Array, end_state: Array, axis_limits: Array, sign: float
+) -> tuple[float, float, float, float]:
+    """Way, rates at its ends and the ramps' time, where these take the ends' accelerations away;
+    seen from the side from which no less lies ahead than a direct change of rate covers."""
+    v, a, j = axis_limits
     a0, a1 = start_state[2], end_state[2]
     ramp0_s, ramp1_s = abs(a0) / j, abs(a1) / j
     # A ramp to no acceleration after the start (sign 1), or from none before it (-1).
@@ -55,13 +98,10 @@ def _axis_time_s(
     moved1 = ramp1_s * (end_state[1] - sign * a1 * ramp1_s / 3.0)
     delta_rad = end_state[0] - start_state[0] - sign * (moved0 + moved1)
     v0, v1 = min(max(v0, -v), v), min(max(v1, -v), v)
-    # What lies behind is as far as what lies ahead, seen the other way round.
-    if delta_rad < 0.5 * (v0 + v1) * change_s(v1 - v0, a, j):
-        delta_rad, v0, v1 = -delta_rad, -v0, -v1
     ramps_s = sign * (ramp0_s + ramp1_s)
-    if sign < 0.0 and not _is_plain(delta_rad, v0, v1, a, j):
-        j = BOUNDLESS
-    return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s - ramps_s) + ramps_s)
+    if delta_rad < 0.5 * (v0 + v1) * change_s(v1 - v0, a, j):
+        return -delta_rad, -v0, -v1, ramps_s
+    return delta_rad, v0, v1, ramps_s
 
 
 @compiled
