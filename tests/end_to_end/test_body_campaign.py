@@ -245,7 +245,9 @@ def test_the_request_of_a_pass_is_read_as_it_was_chosen(chosen):
     body = json.dumps(asked | {"platform": SMALLSAT, "slew": {"lead": "all"}}).encode()
     request = CAMPAIGN_READER.read(body)
     flight = chosen[1].passes[0]
-    part = campaign_work._part(json.loads(body), json.loads(body), request, 0, flight)
+    document = json.loads(body)
+    asked = {target["id"]: target["target"] for target in document["targets"]}
+    part = campaign_work._part(document, asked, document, request, 0, flight)
     scenario = read_plan_request(part.request)
     assert scenario.slew == scenario_of(request, flight, 0).slew
     assert scenario.final_state == "idle"

@@ -90,7 +90,8 @@ def ahead_deg(request, path, at_utc):
 def test_the_request_of_a_pass_is_read_as_it_was_chosen(chosen):
     request, campaign = chosen
     flight = campaign.passes[0]
-    part = campaign_work._part(EXAMPLE, EXAMPLE, request, 0, flight)
+    asked = {target["id"]: target["target"] for target in EXAMPLE["targets"]}
+    part = campaign_work._part(EXAMPLE, asked, EXAMPLE, request, 0, flight)
     scenario = read_plan_request(part.request)
     assert scenario.sessions == scenario_of(request, flight, 0).sessions
     assert scenario.on_conflict == "refuse"

@@ -72,14 +72,14 @@ def _can_last(start_state: Array, end_state: Array, axis_limits: Array, lasts_s:
     low, high = max(-v0, -v1), v
     most_s = change_s(high + v0, a, j) + change_s(high + v1, a, j)
     if left_s >= most_s:
-        return -_way_rad(high, -v0, -v1, a, j) - high * (left_s - most_s) <= delta_rad
+        return bool(-_way_rad(high, -v0, -v1, a, j) - high * (left_s - most_s) <= delta_rad)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if change_s(middle + v0, a, j) + change_s(middle + v1, a, j) <= left_s:
             low = middle
         else:
             high = middle
-    return -_way_rad(low, -v0, -v1, a, j) <= delta_rad
+    return bool(-_way_rad(low, -v0, -v1, a, j) <= delta_rad)
 
 
 @compiled
