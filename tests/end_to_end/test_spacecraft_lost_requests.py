@@ -41,6 +41,19 @@ def test_a_scan_faster_than_the_body_may_turn_costs_its_request_only():
     assert (why.value.limit, why.value.field) == ("rate", "requests.0")
 
 
+def test_a_scan_is_refused_by_the_limit_that_it_lacks():
+    """A slow one at full rate, with hardly the torque that turns the momentum held; once it was
+    said to lack the rate."""
+    slow = CorridorRequest(
+        name="slow", geometry=line(200.0, azimuth_deg=180.0), scan_speed_m_s=2500.0
+    )
+    weak = SpacecraftSettings(torque_max_n_m=1.3)
+    with pytest.raises(InfeasibleSlew, match=r"with more than the 1\.3 N m there are") as why:
+        candidates(slow, 0, make_session(low([slow], 400.0, settings=weak)))
+    assert (why.value.limit, why.value.field) == ("torque", "requests.0")
+    assert candidates(slow, 0, make_session(low([slow], 400.0)))
+
+
 def test_of_a_reversible_detectors_scans_those_too_fast_are_none():
     strip = StripRequest(name="strip", geometry=line(90.0), scan_speed_m_s=4648.0)
     asked = low([strip], 300.0, settings=SpacecraftSettings(reversible_scan=True))

@@ -15,6 +15,8 @@ from planner.base import effort
 from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, Unreachable
+from planner.base.mrp import BodyMotion
+from planner.motion.attitude.track import agility_limits
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import ImagingRequest, Request, StereoRequest
@@ -35,6 +37,7 @@ class CandidateOptions:
     # requests squared by the session's time, up to which the pairs of a fine grid take a fifth of
     # the work there is at most
     dense_per_s: float = 2.5
+    told_at: int = 9  # instants of a scan that is refused, and at most so many of those refused
     stereo_steps: int = 5  # starts tried before and after that of the exact angle,
     stereo_step_ticks: int = 2  # so far apart
     # a slew's time hangs on where its goal has moved meanwhile: the first guess,
@@ -74,7 +77,7 @@ class Candidate:
 
     @property
     def stop_s(self) -> float:
-        return self.arcs[-1].start_s + self.arcs[-1].ticks * COMMAND_STEP_S
+        return self.arcs[-1].stop_s
 
 
 def candidates(request: Request, number: int, session: ImagingSession) -> list[Candidate]:
@@ -97,10 +100,10 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
     ]
     if not all(looks):  # half a pair is no image
         raise _never_seen(request, number, orders[0], session)
-    kept = [[one for one in look if one.is_held] for look in looks]
-    if not all(kept):
-        raise _too_fast(request, number, session)
-    return [one for look in kept for one in look]
+    for look in looks:
+        if not any(one.is_held for one in look):
+            raise _too_fast(look, number, session)
+    return [one for look in looks for one in look if one.is_held]
 
 
 def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundArc]]:
@@ -195,7 +198,7 @@ def _from_starts(
         effort.charge(OPTIONS.arc_at_start * len(t_s))
         if exit_states is not None:
             t_s = _after_slew_s(exit_states, t_s, arc, session)
-        scan_s = arc.ticks * COMMAND_STEP_S
+        scan_s = arc.scan_s
         kept = np.flatnonzero((t_s >= first_s) & (t_s + scan_s <= last_s))
         in_reach, along_rad = _in_reach(arc, t_s[kept], scan_s, session)
         kept = kept[in_reach]
@@ -263,17 +266,41 @@ def _point_itrf_m(arc: GroundArc, share: float) -> Array:
     return np.asarray(arc.point_itrf(np.array([share]))[0][0])
 
 
-def _too_fast(request: Request, number: int, session: ImagingSession) -> InfeasibleSlew:
-    gyros = session.platform.gyros
+def _too_fast(refused: list[Candidate], number: int, session: ImagingSession) -> InfeasibleSlew:
+    """By the limit that the scan lacks most of which lacks least."""
+    gyros, request = session.platform.gyros, session.request.requests[number]
     assert gyros is not None  # as of every body of this front
+    turns, most = gyros.turns, OPTIONS.told_at
+    shares = min(
+        (_used_shares(one, session) for one in refused[:: len(refused) // most + 1]), key=np.max
+    )
+    limit, than = (
+        ("rate", f"faster than the {turns.rate_max_deg_s:.4g} deg/s about an axis"),
+        ("torque", f"with more than the {turns.torque_max_n_m:g} N m"),
+        (
+            "torque rate",
+            f"with a torque that changes by more than {turns.torque_rate_max_n_m_s:g} N m/s",
+        ),
+    )[int(np.argmax(shares))]
     first = "unload momentum first, " if any(gyros.start_n_m_s) else ""
     return InfeasibleSlew(
-        f"to scan {request.name!r} the body would have to turn faster than the "
-        f"{gyros.turns.rate_max_deg_s:.4g} deg/s about an axis and {gyros.turns.torque_max_n_m:g} "
-        f"N m there are; {first}ask for another scan_speed_m_s or use another pass",
+        f"to scan {request.name!r} the body would have to turn {than} there are; {first}ask for "
+        "another scan_speed_m_s or use another pass",
         field=f"requests.{number}",
-        limit="rate",
+        limit=limit,
     )
+
+
+def _used_shares(refused: Candidate, session: ImagingSession) -> Array:
+    """The largest of rate, torque and torque rate along its scans, of those there are, (3,)."""
+    limits, shares = agility_limits(session.platform).inscribed, np.zeros((1, 3))
+    for arc in refused.arcs:
+        after_s = np.linspace(-session.slews.settle_s, arc.duration_s, OPTIONS.told_at)
+        states = session.ends(arc, np.full(OPTIONS.told_at, arc.start_s), after_s)
+        omega, alpha = states[:, 4:7], states[:, 7:10]
+        body = BodyMotion(omega, alpha, np.gradient(alpha, after_s, axis=0))
+        shares = np.vstack([shares, limits.shares(body)])
+    return np.asarray(shares.max(axis=0))
 
 
 def _never_seen(

@@ -22,7 +22,6 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled
 from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew, Refusal, SearchEnded, Unreachable
-from planner.base.rotation import Rotation
 from planner.planning import label_search
 from planner.planning.campaigns.platforms.slew_fits import NECESSARY, SUFFICIENT
 from planner.planning.label_search import (
@@ -108,10 +107,8 @@ def _within_session(
     idle = session.ends(None, np.append(leaving_s, back_by_s), 0.0)
     entries, exits = _end_states(options)
     there_s = slews.ticks(idle[:count], entries) * COMMAND_STEP_S
-    initial_xyzw = session.request.initial_q_body_from_eci_xyzw
-    if initial_xyzw is not None:
-        at_rest = Rotation.from_quat([initial_xyzw] * count).inv()
-        there_s += slews.ticks(slews.states(lambda _: at_rest), idle[:count]) * COMMAND_STEP_S
+    if (initial := session.initial_state) is not None:
+        there_s += slews.ticks(np.tile(initial, (count, 1)), idle[:count]) * COMMAND_STEP_S
     back_s = slews.ticks(exits, idle[count:]) * COMMAND_STEP_S - slews.settle_s
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
     parts = np.array([option.part for option in options])

@@ -7,7 +7,6 @@ and any azimuth follow by themselves.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -15,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.commands import COMMAND_STEP_S
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
 from planner.motion.attitude.track import pointed_quaternions
@@ -60,18 +59,22 @@ class GroundArc:
         return self.path.plane_arc.point_itrf(share)
 
     @property
-    def ticks(self) -> int:
-        """Whole ticks that cover its scan."""
-        return math.ceil(self.duration_s / COMMAND_STEP_S - 1e-6)
+    def scan_s(self) -> float:
+        """Of whole rows that cover its scan."""
+        return math.ceil(self.duration_s * ROWS_PER_S - 1e-6) / ROWS_PER_S
+
+    @property
+    def stop_s(self) -> float:
+        return self.start_s + self.scan_s
 
     @property
     def first_row(self) -> int:
         """Of the table, the camera on; and so until `last_row`."""
-        return round(self.start_s / COMMAND_STEP_S)
+        return round(self.start_s * ROWS_PER_S)
 
     @property
     def last_row(self) -> int:
-        return self.first_row + self.ticks
+        return round(self.stop_s * ROWS_PER_S)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,12 +96,6 @@ class Slews:
     def settle_s(self) -> float:
         """On a line before its scan begins."""
         return self.platform.envelope.settle_s
-
-    def states(self, q_eci_from_body_after: Callable[[float], Rotation]) -> Array:
-        """Of n attitudes, which are told some seconds later."""
-        return moving_state(
-            *(q_eci_from_body_after(s) for s in (-FOLLOWING.delta_s, 0.0, FOLLOWING.delta_s))
-        )
 
     @property
     def widest_ticks(self) -> int:
@@ -198,11 +195,18 @@ class ImagingSession:
             pointed_quaternions(toward_eci, along_eci, self.platform.boresight_body, along_body)
         )
 
-    def ends(self, arc: GroundArc | None, begins_s: Array, after_s: float) -> Array:
+    def ends(self, arc: GroundArc | None, begins_s: Array, after_s: float | Array) -> Array:
         """States as of `Slews`, so long after the scans of an arc begin, (n, 11); None: in orbital
         orientation."""
         t_s = begins_s + after_s
-        return self.slews.states(lambda more_s: self.q_eci_from_body(arc, begins_s, t_s + more_s))
+        around_s = t_s - FOLLOWING.delta_s, t_s, t_s + FOLLOWING.delta_s
+        return moving_state(*(self.q_eci_from_body(arc, begins_s, at_s) for at_s in around_s))
+
+    @property
+    def initial_state(self) -> Array | None:
+        """At rest in the request's initial attitude, if it has one, (1, 11)."""
+        q_xyzw = self.request.initial_q_body_from_eci_xyzw
+        return None if q_xyzw is None else moving_state(*[Rotation.from_quat([q_xyzw]).inv()] * 3)
 
     def entries(self, arc: GroundArc, begins_s: Array) -> Array:
         """In which lines are joined whose scans begin then."""
@@ -219,7 +223,7 @@ class ImagingSession:
         lookout, carrier = self._lookout
         around_s = self.slews.settle_s + COMMAND_STEP_S
         sight = scan_sight(carrier, arc.path, None, begins_s, around_s)
-        return lookout.held_scans(sight, begins_s, arc.ticks * COMMAND_STEP_S).as_session
+        return lookout.held_scans(sight, begins_s, arc.scan_s).as_session
 
     @cached_property
     def window(self) -> ScanWindow:

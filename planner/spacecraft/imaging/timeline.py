@@ -60,15 +60,13 @@ def _scenario_of(session: ImagingSession, arcs: list[GroundArc], names: list[str
     """Each scan a session of the body, on the same clock."""
     request = session.request
     usual_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
-    begins_s = [np.array([arc.start_s]) for arc in arcs]
-    lasts_s = [arc.ticks * COMMAND_STEP_S for arc in arcs]
-    back = session.ends(None, begins_s[-1], lasts_s[-1])
-    idle = session.ends(None, begins_s[0], 0.0)
-    exits = np.vstack([idle, *map(session.ends, arcs, begins_s, lasts_s)])
-    entries = np.vstack([*map(session.entries, arcs, begins_s), back])
-    start, goal = (Rotation.from_quat(states[:, :4]) for states in (exits, entries))
-    is_far = (start.inv() * goal).magnitude() > OPTIONS.longest_rad
-    far_ticks = session.slews.ticks(exits[is_far], entries[is_far])
+    idle = session.ends(None, np.array([arcs[0].start_s, arcs[-1].stop_s]), 0.0)
+    entries = [session.entries(arc, np.array([arc.start_s])) for arc in arcs]
+    exits = [session.ends(arc, np.array([arc.start_s]), arc.scan_s) for arc in arcs]
+    starts, goals = np.vstack([idle[:1], *exits]), np.vstack([*entries, idle[1:]])
+    turns = Rotation.from_quat(starts[:, :4]).inv() * Rotation.from_quat(goals[:, :4])
+    is_far = turns.magnitude() > OPTIONS.longest_rad
+    far_ticks = session.slews.ticks(starts[is_far], goals[is_far])
     most_s = max(round(usual_s, 1), far_ticks.max(initial=0) * COMMAND_STEP_S)
     return Scenario(
         name=request.name,
