@@ -19,9 +19,7 @@ import "./spacecraft.css";
 import { PassesPanel } from "./PassesPanel";
 import { askedFrom, askedOf, fetchRequest, type SessionRequest, shownAs } from "./session";
 
-const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
-const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
-type ExampleName = (typeof NAMES)[number];
+const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<"fourModes", SessionRequest>;
 /** Members that have forms of their own, and the only spacecraft. */
 const OTHERS = ["requests", "orbit", "spacecraft"];
 const KINDS = MODES.filter((mode) => mode !== "tri_stereo");
@@ -41,8 +39,8 @@ export default function AskSession() {
   const ask = (next: readonly CampaignTarget[]) => change({ requests: askedFrom(next, asked) });
   /** In place of those of the same name. */
   const take = (given: CampaignTarget[]) => {
-    const names = new Set(given.map((one) => one.id));
-    change({ requests: [...asked.filter((one) => !names.has(one.name)), ...askedFrom(given, [])] });
+    const others = asked.filter((one) => !given.some(({ id }) => id === one.name));
+    change({ requests: [...others, ...askedFrom(given, [])] });
   };
   return (
     <div class="room">
@@ -90,9 +88,9 @@ export default function AskSession() {
           <div class="panel">
             <div class="row examples">
               <span class="small">{text.examples}</span>
-              {NAMES.map((name) => (
-                <button key={name} type="button" class="plain" onClick={() => setRequest(EXAMPLES[name])}>
-                  {text.example[name]}
+              {Object.entries(EXAMPLES).map(([name, example]) => (
+                <button key={name} type="button" class="plain" onClick={() => setRequest(example)}>
+                  {text.example[name as "fourModes"]}
                 </button>
               ))}
             </div>

@@ -31,7 +31,22 @@ export default function OneSession({ params }: RoomProps) {
         asked={ASKED}
         more={(common) => <RateErrors session={answer} common={common} />}
         beside={<Imaged session={answer} plan={answer.plan} />}
-        below={<Below session={answer} />}
+        below={
+          <>
+            <Looks session={answer} />
+            <Slews session={answer} />
+            <details class="copied">
+              <summary>
+                <h3>{text.spacecraft.assumptions}</h3>
+              </summary>
+              <ul>
+                {answer.assumptions.map((one) => (
+                  <li key={one}>{one}</li>
+                ))}
+              </ul>
+            </details>
+          </>
+        }
       />
     );
   }
@@ -70,25 +85,6 @@ function Imaged({ session, plan }: { session: Session; plan: Plan }) {
       <p data-testid="session-imaged">{told.join(" · ")}</p>
       <Notices label={words.value.plan.one.warnings} told={warnings.map(words.value.service.told)} />
       <Notices label={text.leftOut} told={session.left_out.map(({ name, reason }) => `${name}: ${reason}`)} />
-    </>
-  );
-}
-
-function Below({ session }: { session: Session }) {
-  return (
-    <>
-      <Looks session={session} />
-      <Slews session={session} />
-      <details class="copied">
-        <summary>
-          <h3>{words.value.spacecraft.assumptions}</h3>
-        </summary>
-        <ul>
-          {session.assumptions.map((one) => (
-            <li key={one}>{one}</li>
-          ))}
-        </ul>
-      </details>
     </>
   );
 }

@@ -1,19 +1,27 @@
 /** The passes of the next days over what is asked for; a click takes one for the session's times. */
-import { useMemo, useState } from "preact/hooks";
-import { searchStart } from "../../api/orbit";
+import { useState } from "preact/hooks";
+
+import { post, remove, type Schemas } from "../../api/client";
+import { reachOf, searchStart } from "../../api/orbit";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
-import { number } from "../../i18n/forms";
+import { number, rfc3339 } from "../../i18n/forms";
 import { useKept } from "../../parts/kept";
 import { NumberField } from "../../parts/NumberField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
 import { WindowList } from "../../windows/WindowList";
-import { type Found, findPasses, type Pass, type Search } from "./passes";
-import type { SessionRequest } from "./session";
+import "../planning/planning.css";
+import { passesOf, type Window } from "../planning/scans";
+import { type Asked, askedOf, type SessionRequest } from "./session";
 
+const DAY_MS = 86_400_000;
 const MOST_DAYS = 14;
-const NOTHING = { answer: null, error: null, isAsking: false };
+const SAMPLES = 21;
+const ASKED = { include: "view", limit: 1000 };
+// From orbital orientation to the farthest look, or back: 54 deg at 1.58 deg/s about each axis, and settling.
+const TURN_MS = 60_000;
+const ROW_MS = 200; // of the command table
 
 interface Props {
   request: SessionRequest;
@@ -22,26 +30,32 @@ interface Props {
   onTimes: (times: { start: string; stop: string }) => void;
 }
 
+/** What one session can image, told by the window in which it is highest. */
+type Pass = ReturnType<typeof sessionOf>;
+
 export function PassesPanel({ request, count, onTimes }: Props) {
   const text = words.value.spacecraft.passes;
   const { span, windows } = words.value.plan;
-  const { orbit, spacecraft, settings, requests } = request;
+  const { orbit, spacecraft, settings, start, stop } = request;
   const [from, setFrom] = useKept<string | null>("/spacecraft passes from", null);
   const [days, setDays] = useKept("/spacecraft passes days", 3);
-  const passes = useRequest<Found>(null);
-  const [asked, setAsked] = useState<Search | null>(null);
-  const start = from ?? new Date(searchStart(orbit, Date.now())).toISOString();
-  const search = useMemo<Search>(
-    () => ({ orbit, spacecraft, settings, requests, from_ms: Date.parse(start), days }),
-    [orbit, spacecraft, settings, requests, start, days],
-  );
-  // Of another search it tells nothing.
-  const { answer: found, error, isAsking } = asked === search ? passes : NOTHING;
-  const ask = () => {
-    setAsked(search);
-    void passes.ask((until) => findPasses(search, until));
+  const from_ms = Date.parse(from ?? new Date(searchStart(orbit, Date.now())).toISOString());
+  const to_ms = Math.min(from_ms + days * DAY_MS, endAfter(orbit, from_ms));
+  const limits = [settings?.along_max_deg, settings?.across_max_deg].filter((one) => one != null);
+  const search = {
+    platform: spacecraft,
+    orbit,
+    targets: askedOf(request).map((one) => ({ id: one.name, target: modeOf(one) })),
+    conditions: limits.length ? { max_off_nadir_deg: Math.max(...limits) } : {},
+    start: rfc3339(from_ms),
+    stop: rfc3339(to_ms),
+    samples: SAMPLES,
   };
-  const taken = found?.passes.find((pass) => isOf(pass, request)) ?? null;
+  const [asked, setAsked] = useState("");
+  // Of another search nothing is told.
+  const key = JSON.stringify(search);
+  const passes = useRequest(asked === key ? key : null, (until) => findPasses(search, until));
+  const { answer: found, error, isAsking } = passes;
   return (
     <section class="panel" aria-labelledby="session-passes">
       <div class="row heading">
@@ -50,21 +64,21 @@ export function PassesPanel({ request, count, onTimes }: Props) {
           {isAsking ? text.searching : found ? windows.count(found.passes.length) : ""}
         </span>
       </div>
-      <div class="passes-span">
-        <UtcField label={span.from} value={start} onValue={setFrom} />
+      <div class="span-fields">
+        <UtcField label={span.from} value={search.start} onValue={setFrom} />
         <NumberField label={span.days} least={1} most={MOST_DAYS} value={days} onValue={setDays} />
-        <button type="button" disabled={count === 0 || isAsking} onClick={ask}>
+        <button type="button" disabled={count === 0 || isAsking} onClick={() => setAsked(key)}>
           {text.find}
         </button>
       </div>
-      {error !== null && <ProblemNotice error={error} again={ask} />}
+      {error !== null && <ProblemNotice error={error} again={() => void passes.ask()} />}
       {found && found.unseen.length > 0 && <p class="notice notice-warn">{text.unseen(found.unseen.join(", "))}</p>}
       {found && found.passes.length > 0 && (
         <WindowList
           windows={found.passes}
-          taken={taken}
-          from_ms={found.from_ms}
-          to_ms={found.to_ms}
+          taken={found.passes.find(({ session }) => session.start === start && session.stop === stop) ?? null}
+          from_ms={from_ms}
+          to_ms={to_ms}
           label={text.list}
           onTake={({ session }) => onTimes(session)}
           more={(pass) => <span class="small pass-seen">{told(pass, count)}</span>}
@@ -79,16 +93,37 @@ export function PassesPanel({ request, count, onTimes }: Props) {
   );
 }
 
-function isOf({ session }: Pass, { start, stop }: SessionRequest): boolean {
-  return Date.parse(session.start) === Date.parse(start) && Date.parse(session.stop) === Date.parse(stop);
+/** Where an orbit ends that holds then. */
+function endAfter(orbit: SessionRequest["orbit"], from_ms: number): number {
+  const last_ms = reachOf(orbit)?.to_ms ?? Infinity;
+  return last_ms > from_ms ? last_ms : Infinity;
+}
+
+/** Passes in order of time, each as much as one session may hold, and names of what none shows whole. */
+async function findPasses(search: object, until: AbortSignal) {
+  const { id, windows, unseen, warnings } = await post("/v1/opportunities", search, { query: ASKED, signal: until });
+  // Kept by the service for who wants it; ours is seen once.
+  void remove("/v1/opportunities/{id}", { id }).catch(() => undefined);
+  return { passes: passesOf((windows as Window[]).filter((one) => one.session)).map(sessionOf), unseen, warnings };
+}
+
+/** A request of a session as the imaging mode it is. */
+function modeOf({ name: _, priority: __, scan_speed_m_s, start, window_start, window_stop, ...mode }: Asked) {
+  return { ...mode, line: "plane", speed_m_s: scan_speed_m_s } as Schemas["StripMode"];
+}
+
+function sessionOf(seen: readonly Window[]) {
+  const start_ms = Math.min(...seen.map((one) => Date.parse(one.rise))) - TURN_MS;
+  const stop_ms = Math.max(...seen.map((one) => Date.parse(one.set))) + TURN_MS;
+  const onRow = (ms: number, round: (count: number) => number) => rfc3339(round(ms / ROW_MS) * ROW_MS);
+  const highest = seen.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
+  return { ...highest, session: { start: onRow(start_ms, Math.floor), stop: onRow(stop_ms, Math.ceil) }, seen };
 }
 
 /** What a session in the pass can image, and from how far aside. */
 function told({ seen }: Pass, count: number): string {
   const text = words.value.spacecraft.passes;
   const across = new Map(seen.map((one) => [one.target, one.closest.angles_deg.across_track]));
-  const names = [...across].map(([name, across_deg]) =>
-    across_deg == null ? name : text.aside(name, number(Math.round(Math.abs(across_deg)), 0)),
-  );
+  const names = [...across].map(([name, deg]) => (deg == null ? name : text.aside(name, number(Math.abs(deg), 0))));
   return `${text.sees(across.size, count)}: ${names.join(", ")}`;
 }

@@ -1,22 +1,16 @@
 /** Looks and slews, in order of time. */
-import type { ComponentChildren } from "preact";
-
 import { words } from "../../i18n";
 import { digits, number } from "../../i18n/forms";
 import { type Column, TablePanel, timesOf } from "../../parts/TablePanel";
 import type { Session } from "./session";
 
-type Look = Session["windows"][number];
-type Flown = Session["stabilisation"]["windows"][number];
+/** Without what closed-loop runs tell where there were none. */
+type Look = Session["windows"][number] & Partial<Session["stabilisation"]["windows"][number]>;
 type Slew = Session["slews"][number];
 
 export function Looks({ session }: { session: Session }) {
   const text = words.value.spacecraft;
   const { columns } = text;
-  const ofRuns = (told: (one: Flown) => ComponentChildren) => (_: Look, index: number) => {
-    const one = session.stabilisation.windows[index];
-    return one ? told(one) : "–";
-  };
   const all: Column<Look>[] = [
     [columns.request, (one) => nameOf(session, one)],
     [columns.times, timesOf, "mono nowrap"],
@@ -24,17 +18,19 @@ export function Looks({ session }: { session: Session }) {
     [columns.miss, (one) => (one.miss_m < 0.001 ? "< 0.001" : digits(one.miss_m, 2)), "number"],
     [columns.along, (one) => number(one.along_deg), "number"],
     [columns.across, (one) => number(one.across_deg), "number"],
-    [columns.rateError, ofRuns((one) => digits(Math.max(...one.rate_error_deg_s), 2)), "number"],
-    [columns.smear, ofRuns((one) => digits(one.smear_px, 2)), "number"],
-    [columns.spare, ofRuns((one) => number(one.spare_s)), "number"],
-    [columns.momentumMargin, ofRuns((one) => number(one.momentum_margin_n_m_s)), "number"],
-    [
-      columns.steady,
-      ofRuns(({ steady }) => <span class={steady ? "is-good" : "is-bad"}>{steady ? text.yes : text.no}</span>),
-      "number",
-    ],
+    [columns.rateError, (one) => digits(Math.max(...(one.rate_error_deg_s ?? [Number.NaN])), 2), "number"],
+    [columns.smear, (one) => digits(one.smear_px, 2), "number"],
+    [columns.spare, (one) => number(one.spare_s), "number"],
+    [columns.momentumMargin, (one) => number(one.momentum_margin_n_m_s), "number"],
+    [columns.steady, ({ steady }) => (steady === undefined ? "–" : <Steady steady={steady} />), "number"],
   ];
-  return <TablePanel title={text.looks} rows={session.windows} columns={all} />;
+  const rows = session.windows.map((one, index) => ({ ...one, ...session.stabilisation.windows[index] }));
+  return <TablePanel title={text.looks} rows={rows} columns={all} />;
+}
+
+function Steady({ steady }: { steady: boolean }) {
+  const text = words.value.spacecraft;
+  return <span class={steady ? "is-good" : "is-bad"}>{steady ? text.yes : text.no}</span>;
 }
 
 export function Slews({ session }: { session: Session }) {
