@@ -36,6 +36,7 @@ from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import (
     Dispersion,
     as_designed,
+    camera_on,
     computer,
     draw_dispersion,
     fly_table,
@@ -50,7 +51,7 @@ from planner.inflight.simulation.gyros.onboard import (
 from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
 from planner.motion.attitude.eigenaxis import quickest_angle
 from planner.motion.attitude.track import agility_limits, attitude_motion
-from planner.spacecraft.flights import camera_on, fly_many
+from planner.spacecraft.flights import fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice import options_of
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession, make_session
@@ -59,11 +60,10 @@ from planner.spacecraft.requests import (
     SCAN_SPEED_M_S,
     GeoLineString,
     ImagingPlanRequest,
-    ImagingWindow,
     StripRequest,
 )
 from planner.spacecraft.vehicle import AgileSpacecraft
-from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.orbits import StateVectorOrbit
 from planner.world.platforms.cmg_array import CmgArray
 from planner.world.platforms.gyro_craft import ControlGains, GyroCraft
@@ -288,7 +288,8 @@ def fly(name: str, dispersion: Dispersion) -> Log:
     """One run of the paper's laws over all goals of a session."""
     table, given = goal_table(name)
     states = orbit_states(planned(name))
-    imaging = camera_on(planned(name).windows, len(table.position))
+    spans = [(one.first_row, one.last_row) for one in planned(name).windows]
+    imaging = camera_on(spans, len(table.position))
     return fly_table(OWN_CRAFT, table, imaging, states, dispersion, law=PAPER, commanded=given)
 
 
@@ -427,8 +428,7 @@ def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned
     ephemeris = sun_synchronous(600.0).ephemeris(EPOCH, EPOCH + timedelta(seconds=60))
     states = ephemeris.states(Instants(EPOCH, table.t_s))
     craft = spacecraft.craft
-    rest = ImagingWindow(request="slew", look=0, first_row=250, last_row=300)
-    imaging = camera_on((rest,), len(table.position))
+    imaging = camera_on([(250, 300)], len(table.position))
     settled = [
         settled_after_s(
             fly_table(craft, table, imaging, states, draw_dispersion(craft, seed)),
@@ -636,7 +636,7 @@ def _strip_and_stereo() -> Numbers:
             f"own turn to the {what}": float(np.median(found.needed_s[:, k])),
             f"own laws, {what}": float(np.max(found.worst_deg_s[:, k])),
             f"ideal_{k}_s": float(ideal.needed_s[0, k]),
-            f"leaves_{k}_s": slews[slew].first_row / 5.0,
+            f"leaves_{k}_s": elapsed_s(slews[slew].start_utc, EPOCH),
             f"fed_forward_{k}": fed_forward_deg_s(STRIPS, span),
         }
     return numbers

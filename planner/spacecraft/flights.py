@@ -5,11 +5,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from planner.base.arrays import Array, Mask
+from planner.base.arrays import Array
 from planner.base.at_once import done_at_once
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.inflight.simulation.gyros.closed_loop import Log
-from planner.inflight.simulation.gyros.dispersed import draw_dispersion, fly_table
+from planner.inflight.simulation.gyros.dispersed import camera_on, draw_dispersion, fly_table
 from planner.inflight.simulation.gyros.report import worst_of
 from planner.inflight.simulation.gyros.steadiness import rate_errors, steadiness_figures
 from planner.spacecraft.found import ImagingSteadiness, StabilisationReport
@@ -39,14 +39,6 @@ ASSUMPTIONS = (
 Kept = TypeVar("Kept")
 
 
-def camera_on(windows: Sequence[ImagingWindow], rows: int) -> Mask:
-    """Whether the camera runs from row k to k + 1, shape (rows - 1,)."""
-    on = np.zeros(rows - 1, dtype=bool)
-    for window in windows:
-        on[window.first_row : window.last_row] = True
-    return on
-
-
 def fly_many(
     spacecraft: AgileSpacecraft,
     table: CommandTable,
@@ -61,7 +53,8 @@ def fly_many(
     states: the orbit at the table's rows.  keep: what is wanted of a run; its log (19 MB for an
     hour) is given up at once.  tell: is called with how many are flown.
     """
-    craft, imaging = spacecraft.craft, camera_on(windows, len(table.position))
+    spans = [(one.first_row, one.last_row) for one in windows]
+    craft, imaging = spacecraft.craft, camera_on(spans, len(table.position))
 
     def fly(seed: int) -> Kept:
         return keep(fly_table(craft, table, imaging, states, draw_dispersion(craft, seed)))

@@ -7,7 +7,6 @@ from typing import Annotated, Literal
 from planner.base.answer_members import (
     AngleSize,
     Count,
-    Internal,
     Member,
     NotNegative,
     Share,
@@ -54,8 +53,6 @@ class AttitudeSlewReport:
     time_from: Literal["ocp"] | None
     status: str
     solve_s: NotNegative
-    first_row: Internal[int]
-    last_row: Internal[int]
 
 
 @answer

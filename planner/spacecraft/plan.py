@@ -25,9 +25,9 @@ from planner.spacecraft.found import (
     SessionFound,
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
-from planner.spacecraft.imaging.baselines import report_slews
 from planner.spacecraft.imaging.choice import bound_of, choose_and_slew, options_of
 from planner.spacecraft.imaging.session import make_session
+from planner.spacecraft.imaging.timeline import report_slews
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.verification import VerifiedWindow, verify_table
 from planner.world.frames.time_scales import Instants
@@ -70,24 +70,20 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> I
         try:
             return _make_plan(request, tell)
         except SearchEnded:
-            raise _search_ended(request) from None
+            raise _search_ended() from None
         except (Unreachable, InfeasibleSlew) as why:
             tell("alternatives", 0, 1)
             with suppress(WorkLimitReached):
                 raise refusal_with_alternative(request, why, _is_found) from why
             raise
-    raise _search_ended(request)
+    raise _search_ended()
 
 
-def _search_ended(request: ImagingPlanRequest) -> SearchEnded:
-    easier = ["ask for fewer or smaller requests at a time"]
-    if request.objective == "minimum_time":
-        easier.append('for the objective "smooth"')
-    if any(request.settings.momentum_n_m_s):
-        easier.append("for less momentum in the gyros")
+def _search_ended() -> SearchEnded:
     return SearchEnded(
-        "what is asked of this session takes more work than may be done for it before any plan "
-        f"is found; {', or '.join(easier)}",
+        "what is asked of this session takes more work than may be done for it before any plan is "
+        'found; ask for fewer or smaller requests at a time, for the objective "smooth", or for '
+        "less momentum in the gyros",
         field="requests",
     )
 

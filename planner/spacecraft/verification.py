@@ -26,11 +26,11 @@ from planner.spacecraft.requests import (
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.verification.report import VerificationReport
 from planner.world.frames.earth_orientation import c_itrf_from_eci
-from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, RowUtc, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
-from planner.world.targets.geojson import Position
+from planner.world.targets.strips import places_itrf_m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,7 +260,8 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
     if isinstance(request, AreaRequest):
         return 0.0
     leg = window.look if request.mode == "corridor" else 0
-    start_itrf_m, end_itrf_m = _places_itrf_m(request.geometry.coordinates[leg : leg + 2], request)
+    ends = request.geometry.coordinates[leg : leg + 2]
+    start_itrf_m, end_itrf_m = places_itrf_m(ends, request.height_m)
     if np.dot(end_itrf_m - start_itrf_m, scanned_itrf_m[-1] - scanned_itrf_m[0]) < 0.0:
         start_itrf_m, end_itrf_m = end_itrf_m, start_itrf_m
     normal_itrf = np.cross(start_itrf_m, end_itrf_m)
@@ -271,11 +272,6 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
     spacing_m = request.scan_speed_m_s * COMMAND_STEP_S / SCANNED_PER_ROW
     start_m = float(np.linalg.norm(scanned_itrf_m[0] - start_itrf_m))
     return max(start_m, off_plane_m, end_m - spacing_m)
-
-
-def _places_itrf_m(positions: Sequence[Position], request: Request) -> Array:
-    longitude_rad, latitude_rad = np.deg2rad([position[:2] for position in positions]).T
-    return itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
 
 
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
@@ -321,7 +317,7 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
 
 def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: AreaRequest) -> float:
     """How far outside the scanned strips the worst corner of an area lies."""
-    corners_itrf_m = _places_itrf_m(request.geometry.coordinates[0], request)
+    corners_itrf_m = places_itrf_m(request.geometry.coordinates[0], request.height_m)
     half_m = 0.5 * session.spacecraft.swath_m
     outside_m = np.full(len(corners_itrf_m), np.inf)
     for look in looks:

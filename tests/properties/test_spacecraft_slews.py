@@ -12,7 +12,7 @@ from planner.base.mrp import MrpMotion, body_motion, mrp_state
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.imaging.baselines import compare
+from planner.spacecraft.imaging.timeline import compare
 from planner.spacecraft.vehicle import AgileSpacecraft
 
 

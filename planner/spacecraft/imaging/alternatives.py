@@ -136,12 +136,9 @@ def _spans(
         with suppress(Unreachable, InfeasibleSlew, OutsideCoverage):
             options = candidates(free, 0, make_session(piece))
             for first, last in product(options, options):
-                is_pair = first.part == OPENS and last.part == COMPLETES
-                if (
-                    last.start_s > first.stop_s
-                    if is_pair
-                    else first.part == WHOLE and first is last
-                ):
+                parts = first.part, last.part
+                is_pair = parts == (OPENS, COMPLETES) and last.start_s > first.stop_s
+                if is_pair or (parts == (WHOLE, WHOLE) and first is last):
                     yield shifted_utc(start, first.start_s), shifted_utc(start, last.stop_s)
 
 

@@ -22,7 +22,6 @@ from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import ImagingRequest, Request, StereoRequest
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.targets.ground_path import GroundPathTarget
-from planner.world.targets.imaging import OPTIONS as MODES
 from planner.world.targets.imaging import AreaMode, CorridorMode, StereoMode
 
 
@@ -87,6 +86,7 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
     """
     try:
         orders = scan_orders(request, session)
+        tried_s = list(_looks(request, orders, session))
     except ValueError as error:
         detail = f"{request.name!r}: {str(error).removeprefix('target.')}"
         raise Unreachable(detail, field=f"requests.{number}", limit="time") from None
@@ -96,7 +96,7 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
             for arcs in orders
             for one in _from_starts(arcs, starts_s, (number, part), request, session)
         ]
-        for part, starts_s in _looks(request, orders, session)
+        for part, starts_s in tried_s
     ]
     if not all(looks):  # half a pair is no image
         raise _never_seen(request, number, orders[0], session)
@@ -155,25 +155,22 @@ def _looks(
             )
         yield WHOLE, grid_s if asked_s is None else asked_s
         return
-    [[arc]] = orders
-    tick_s = np.arange(0.0, session.duration_s, COMMAND_STEP_S)
-    effort.charge(OPTIONS.point_at_tick * len(tick_s))
-    along_rad, _ = session.window.passing.look_angles(_point_itrf_m(arc, 0.5), tick_s)
-
-    def starts_s_at(angle_deg: float, earlier_s: float = 0.0) -> Array:
-        middle_s = tick_s[[np.argmin(np.abs(along_rad - math.radians(angle_deg)))]]
-        return _on_ticks(middle_s - earlier_s - 0.5 * arc.duration_s)
-
-    steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
-    steps_s = steps * COMMAND_STEP_S * OPTIONS.stereo_step_ticks
-    angle_deg, gap_s = request.look_angle_deg or MODES.look_angle_deg, request.gap_s
-    if gap_s is None:
-        first_s, second_s = (starts_s_at(one_deg) + steps_s for one_deg in (angle_deg, -angle_deg))
-        yield OPENS, first_s if asked_s is None else asked_s
+    [[arc]], mode = orders, request.as_mode()
+    assert isinstance(mode, StereoMode)
+    effort.charge(OPTIONS.point_at_tick * session.duration_s / COMMAND_STEP_S)
+    if mode.gap_s is not None:
+        passing_s = elapsed_s(mode.in_pass(session.window).start_utc, session.epoch_utc)
+        first_s = np.array([passing_s]) if asked_s is None else asked_s
+        second_s = first_s + _on_ticks(mode.gap_s)
     else:
-        first_s = starts_s_at(0.0, 0.5 * gap_s) if asked_s is None else asked_s
-        second_s = first_s + _on_ticks(gap_s)
-        yield OPENS, first_s
+        steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
+        shares = mode.looks if asked_s is None else mode.looks[1:]
+        *early_s, second_s = (
+            _on_ticks(start_s) + steps * COMMAND_STEP_S * OPTIONS.stereo_step_ticks
+            for start_s, _ in mode.look_starts_s(arc.path, session.window, shares)
+        )
+        first_s = early_s[0] if asked_s is None else asked_s
+    yield OPENS, first_s
     yield COMPLETES, second_s
 
 
@@ -319,17 +316,17 @@ def _never_seen(
             f"closest at {utc_text(at_utc, 1)}, {math.degrees(along_rad[abeam]):.1f} deg along and "
             f"{math.degrees(across_rad[abeam]):.1f} deg across the track"
         )
-    scan_s, less = sum(arc.duration_s for arc in arcs), "shorten the request"
-    takes = f"{scan_s:.1f} s it takes to scan"
+    takes, less = "it takes to scan", "shorten the request"
     if isinstance(request, StereoRequest):
-        takes = f"{scan_s:.1f} s that each look takes"
+        takes = "that each look takes"
         less += f", ask for a smaller {'look_angle_deg' if request.gap_s is None else 'gap_s'}"
     elif len(arcs) > 1:
-        takes = f"{scan_s:.1f} s that {len(arcs)} scans take, and the slews between"
+        takes = f"that {len(arcs)} scans take, and the slews between"
     return Unreachable(
         f"{request.name!r} is never wholly within {spacecraft.along_max_deg:g} deg along and "
         f"{spacecraft.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{takes}: {where}; move or widen the window, {less} or use another pass",
+        f"{sum(arc.duration_s for arc in arcs):.1f} s {takes}: {where}; move or widen the window, "
+        f"{less} or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,

@@ -403,9 +403,7 @@ def _less_tilted(options: Sequence[Candidate], imaging: Imaging, path: list[int]
     tilt_rad = np.array([one.tilt_rad for one in options])
     for k in list(path):
         if imaging.part[k] == WHOLE:
-            free = (imaging.request == imaging.request[k]) & (tilt_rad < tilt_rad[k])
-            nearer = np.flatnonzero(free)
-            nearer = nearer[np.argsort(tilt_rad[nearer], kind="stable")]
-            others = [other for other in path if other != k]
-            path = imaging.with_first(others, nearer.tolist()) or path
+            same = np.flatnonzero(imaging.request == imaging.request[k])
+            nearest = same[np.argsort(tilt_rad[same], kind="stable")].tolist()
+            path = imaging.with_first([one for one in path if one != k], nearest) or path
     return path

@@ -427,7 +427,7 @@ class StereoMode(_LineMode):
         if self.gap_s is not None:
             starts_s = [(self.gap_s * number, 0.0) for number in range(len(self.looks))]
         else:
-            starts_s = self._look_starts_s(path, window)
+            starts_s = self.look_starts_s(path, window, self.looks)
         return tuple(
             ScannedLine(
                 path,
@@ -458,16 +458,16 @@ class StereoMode(_LineMode):
         t_s = np.arange(0.0, window.duration_s, COMMAND_STEP_S)
         return t_s, window.passing.look_angles(r_middle_itrf_m, t_s)[0]
 
-    def _look_starts_s(
-        self, path: GroundPathTarget, window: ScanWindow
+    def look_starts_s(
+        self, path: GroundPathTarget, window: ScanWindow, shares: tuple[float, ...]
     ) -> list[tuple[float, float]]:
-        """When the strip's middle stands at the angles from nadir, half a scan before, and how long
-        it stands near them, to either side."""
+        """When the strip's middle stands at shares of the angle from nadir, half a scan before, and
+        how long it stands near them, to either side.  Raises ValueError where it doesn't."""
         t_s, along_rad = self._along_rad(window)
         near_rad = math.radians(OPTIONS.off_look_angle_deg)
         most_deg = OPTIONS.look_angle_deg if self.look_angle_deg is None else self.look_angle_deg
         starts_s: list[tuple[float, float]] = []
-        for share in self.looks:
+        for share in shares:
             angle_rad = math.radians(share * most_deg)
             off_rad = np.abs(along_rad - angle_rad)
             nearest = int(np.argmin(off_rad))

@@ -4,7 +4,7 @@ Sees the table, the spacecraft and the orbit, never how the table was planned.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -167,6 +167,14 @@ def reference(
         imaging=imaging,
         commanded=goals,
     )
+
+
+def camera_on(spans: Iterable[tuple[int, int]], rows: int) -> Mask:
+    """Whether the camera runs from row k to k + 1, (rows - 1,); spans: first and last rows."""
+    on = np.zeros(rows - 1, dtype=bool)
+    for first_row, last_row in spans:
+        on[max(first_row, 0) : max(last_row, 0)] = True
+    return on
 
 
 def _draw_noise(craft: GyroCraft, dispersion: Dispersion, ticks: int) -> Noise:

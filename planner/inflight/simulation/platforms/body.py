@@ -11,7 +11,12 @@ from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.rotation import Rotation
 from planner.base.table_motion import motion_at
-from planner.inflight.simulation.gyros.dispersed import as_designed, draw_dispersion, fly_table
+from planner.inflight.simulation.gyros.dispersed import (
+    as_designed,
+    camera_on,
+    draw_dispersion,
+    fly_table,
+)
 from planner.inflight.simulation.gyros.steadiness import errors_over_time, steadiness_figures
 from planner.inflight.simulation.platforms.flyer import CLOCK, EARTH, ORBIT
 from planner.planning.sessions.platforms.body_budget import CONTROL, KNOWLEDGE, VIBRATION
@@ -170,7 +175,10 @@ class BodyFlyer:
         else:
             drawn = draw_dispersion(craft, seeds[CONTROL.cause])
         if from_s not in self._prepared:
-            self._prepared[from_s] = self._imaging(table), self._states(table)
+            sessions = [session_rows(one, table.epoch_utc) for one in self.scenario.sessions]
+            spans = [(rows.start, rows.stop) for rows in sessions]
+            imaging = camera_on(spans, len(table.position))
+            self._prepared[from_s] = imaging, self._states(table)
         log = fly_table(craft, table, *self._prepared[from_s], drawn)
 
         def figures(start_s: float, stop_s: float) -> Array:
@@ -178,14 +186,6 @@ class BodyFlyer:
             return steadiness_figures(log, craft.array, table.rate_rad_s, first_row, last_row)
 
         return FlownGyros(*errors_over_time(log), figures)
-
-    def _imaging(self, table: CommandTable) -> Mask:
-        """Whether the camera runs from row k to k + 1, (n - 1,)."""
-        on = np.zeros(len(table.position) - 1, dtype=bool)
-        for session in self.scenario.sessions:
-            rows = session_rows(session, table.epoch_utc)
-            on[max(rows.start, 0) : max(rows.stop, 0)] = True
-        return on
 
     def _states(self, table: CommandTable) -> OrbitStates:
         instants = Instants(table.epoch_utc, table.t_s)
