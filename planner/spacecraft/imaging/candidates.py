@@ -36,7 +36,9 @@ class CandidateOptions:
     # requests squared by the session's time, up to which the pairs of a fine grid take a fifth of
     # the work there is at most
     dense_per_s: float = 2.5
-    told_at: int = 9  # instants of a scan that is refused, and at most so many of those refused
+    told_at: int = 9  # instants of a scan that is refused,
+    told_of: int = 3  # and at most so many of those
+    told: float = 250.0  # of `effort`: to look what one of them lacks
     stereo_steps: int = 5  # starts tried before and after that of the exact angle,
     stereo_step_ticks: int = 2  # so far apart
     # a slew's time hangs on where its goal has moved meanwhile: the first guess,
@@ -267,10 +269,8 @@ def _too_fast(refused: list[Candidate], number: int, session: ImagingSession) ->
     """By the limit that the scan lacks most of which lacks least."""
     gyros, request = session.platform.gyros, session.request.requests[number]
     assert gyros is not None  # as of every body of this front
-    turns, most = gyros.turns, OPTIONS.told_at
-    shares = min(
-        (_used_shares(one, session) for one in refused[:: len(refused) // most + 1]), key=np.max
-    )
+    turns, tried = gyros.turns, refused[:: math.ceil(len(refused) / OPTIONS.told_of)]
+    shares = min((_used_shares(one, session) for one in tried), key=np.max)
     limit, than = (
         ("rate", f"faster than the {turns.rate_max_deg_s:.4g} deg/s about an axis"),
         ("torque", f"with more than the {turns.torque_max_n_m:g} N m"),
@@ -292,6 +292,7 @@ def _used_shares(refused: Candidate, session: ImagingSession) -> Array:
     """The largest of rate, torque and torque rate along its scans, of those there are, (3,)."""
     limits, shares = agility_limits(session.platform).inscribed, np.zeros((1, 3))
     for arc in refused.arcs:
+        effort.charge(OPTIONS.told)
         after_s = np.linspace(-session.slews.settle_s, arc.duration_s, OPTIONS.told_at)
         states = session.ends(arc, np.full(OPTIONS.told_at, arc.start_s), after_s)
         omega, alpha = states[:, 4:7], states[:, 7:10]
