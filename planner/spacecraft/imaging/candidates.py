@@ -147,14 +147,11 @@ def _looks(
         asked_s = _on_ticks(np.array([elapsed_s(request.start, session.epoch_utc)]))
     is_dense = len(session.request.requests) ** 2 > OPTIONS.dense_per_s * session.duration_s
     apart_s = OPTIONS.coarse_grid_s if is_dense else OPTIONS.grid_s
-    grid_s = np.arange(0.0, session.duration_s, apart_s)
     if not isinstance(request, StereoRequest):
-        if asked_s is None and request.window_start is not None:
-            # A window as short as the scan is met too.
-            opening_s = elapsed_s(request.window_start, session.epoch_utc)
-            grid_s = np.union1d(
-                grid_s, [math.ceil(opening_s / COMMAND_STEP_S - 1e-6) * COMMAND_STEP_S]
-            )
+        # A window as short as the scan is met too.
+        opening_s = elapsed_s(request.window_start or session.epoch_utc, session.epoch_utc)
+        opening_s = math.ceil(opening_s / COMMAND_STEP_S - 1e-6) * COMMAND_STEP_S
+        grid_s = np.union1d(np.arange(0.0, session.duration_s, apart_s), [opening_s])
         yield WHOLE, grid_s if asked_s is None else asked_s
         return
     [[arc]], mode = orders, request.as_mode()
@@ -228,14 +225,13 @@ def _from_starts(
 
 def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, float]:
     """First and last moment of the request's window within the session."""
-    opens_s, closes_s = (
-        None if utc is None else elapsed_s(utc, session.epoch_utc)
-        for utc in (request.window_start, request.window_stop)
+    window = session.window
+    first_s = elapsed_s(request.window_start or window.start_utc, window.start_utc)
+    last_s = elapsed_s(request.window_stop or window.stop_utc, window.start_utc)
+    return (
+        max(first_s - OPTIONS.rounding_s, session.slews.settle_s),
+        min(last_s + OPTIONS.rounding_s, session.duration_s),
     )
-    first_s = max((opens_s or 0.0) - OPTIONS.rounding_s, session.slews.settle_s)
-    if closes_s is None:
-        return first_s, session.duration_s
-    return first_s, min(closes_s + OPTIONS.rounding_s, session.duration_s)
 
 
 def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:

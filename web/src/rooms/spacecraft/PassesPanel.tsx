@@ -40,7 +40,8 @@ export function PassesPanel({ request, count, onTimes }: Props) {
   const [from, setFrom] = useKept<string | null>("/spacecraft passes from", null);
   const [days, setDays] = useKept("/spacecraft passes days", 3);
   const from_ms = Date.parse(from ?? new Date(searchStart(orbit, Date.now())).toISOString());
-  const to_ms = Math.min(from_ms + days * DAY_MS, endAfter(orbit, from_ms));
+  const last_ms = reachOf(orbit)?.to_ms ?? 0;
+  const to_ms = Math.min(from_ms + days * DAY_MS, last_ms > from_ms ? last_ms : Infinity);
   const limits = [settings?.along_max_deg, settings?.across_max_deg].filter((one) => one != null);
   const search = {
     platform: spacecraft,
@@ -91,12 +92,6 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       ))}
     </section>
   );
-}
-
-/** Where an orbit ends that holds then. */
-function endAfter(orbit: SessionRequest["orbit"], from_ms: number): number {
-  const last_ms = reachOf(orbit)?.to_ms ?? Infinity;
-  return last_ms > from_ms ? last_ms : Infinity;
 }
 
 /** Passes in order of time, each as much as one session may hold, and names of what none shows whole. */
