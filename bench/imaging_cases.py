@@ -7,7 +7,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.base.commands import BODY_CHANNELS, GIMBAL_CHANNELS, CommandTable, Motion
-from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
@@ -96,10 +95,8 @@ def session_request(
     )
 
 
-def settle_table(
-    spacecraft: AgileSpacecraft, angle_deg: float, seconds: float
-) -> tuple[CommandTable, float]:
-    """Rest, a smooth slew in pitch at 10 s, rest until 60 s; and how long the slew takes, s."""
+def settle_table(spacecraft: AgileSpacecraft, angle_deg: float, seconds: float) -> CommandTable:
+    """Rest, a smooth slew in pitch at 10 s, rest until 60 s."""
     still = np.zeros(3)
     axis = np.array([0.12, 0.05, 0.99])
     goal = Rotation.from_rotvec(math.radians(angle_deg) * axis / np.linalg.norm(axis))
@@ -129,15 +126,10 @@ def settle_table(
         rate_rad_s=np.vstack([before, slew.motion.rate_rad_s, after]),
         acceleration_rad_s2=np.vstack([before, slew.motion.acceleration_rad_s2, after]),
         extra_rad=np.hstack([gimbal, np.zeros((301, 4))]),
-    ), slew.duration_s
+    )
 
 
 def orbit_states(plan: ImagingPlan) -> OrbitStates:
     """The orbit at the table's rows."""
     session = make_session(plan.request)
     return session.ephemeris.states(Instants(EPOCH, plan.table.t_s))
-
-
-def itself(log: Log) -> Log:
-    """What is kept of a run: all of it."""
-    return log

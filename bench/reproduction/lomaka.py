@@ -3,13 +3,13 @@
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from horizon_cases import camera, ring
 from matplotlib.figure import Figure
-from scipy.optimize import brentq, linprog
+from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
@@ -94,15 +94,14 @@ def chord_body(camera: HorizonCamera, ends_px: Array, unit_rays: bool) -> Array:
 def nadir_error_deg(
     cameras: tuple[HorizonCamera, HorizonCamera],
     nadir_body: Array,
-    height_m: float,
     *,
     unit_rays: bool,
     whole_px: bool = False,
 ) -> float:
-    """Of the cross product of both chords; NaN where a camera has no arc of ten pixels."""
+    """Of both chords' cross product, from 500 km; NaN where a camera has no arc of ten pixels."""
     chords = []
     for one in cameras:
-        arc = arc_px(one, nadir_body, height_m)
+        arc = arc_px(one, nadir_body, PAPERS_HEIGHT_M)
         if len(arc) < 2 or np.linalg.norm(arc[-1] - arc[0]) < 10.0:
             return float("nan")
         ends = arc[[0, -1]]
@@ -113,14 +112,14 @@ def nadir_error_deg(
 
 
 def roll_error_deg(
-    camera: HorizonCamera, nadir_body: Array, height_m: float, *, unit_rays: bool, whole_px: bool
+    camera: HorizonCamera, nadir_body: Array, height_m: float, unit_rays: bool
 ) -> float:
-    """Of one camera's chord about its boresight: how far it is from square to the nadir."""
+    """Of one camera's chord about its boresight, its ends in whole pixels: how far it is from
+    square to the nadir."""
     arc = arc_px(camera, nadir_body, height_m)
     if len(arc) < 2:
         return float("nan")
-    ends = np.rint(arc[[0, -1]]) if whole_px else arc[[0, -1]]
-    chord = chord_body(camera, ends, unit_rays)
+    chord = chord_body(camera, np.rint(arc[[0, -1]]), unit_rays)
     across = np.cross(camera.boresight_body, nadir_body)
     return float(np.rad2deg(np.arctan2(chord @ nadir_body, abs(chord @ across))))
 
@@ -133,17 +132,16 @@ def tilted_nadir(pitch_deg: float, yaw_deg: float) -> Array:
     return np.asarray(np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ level)
 
 
-def printed_circle(axis: Array, corrected: bool) -> Array:
-    """The parametric circle (n, 3) in units of its R about the origin, as printed or corrected."""
+def printed_circle(axis: Array) -> Array:
+    """The parametric circle (n, 3) as printed, in units of its R about the origin."""
     a, b, c = axis
     t = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
     ac, abc = np.hypot(a, c), np.linalg.norm(axis)
-    third = a if corrected else c
     return np.column_stack(
         [
             (c * np.cos(t) - a * b * np.sin(t) / abc) / ac,
             ac / abc * np.sin(t),
-            -(third * np.cos(t) + b * c * np.sin(t) / abc) / ac,
+            -(c * np.cos(t) + b * c * np.sin(t) / abc) / ac,
         ]
     )
 
@@ -178,44 +176,20 @@ def pair(width_deg: float, down_deg: float) -> tuple[HorizonCamera, HorizonCamer
     return lens(width_deg, 640, down_deg, 0.0), lens(width_deg, 640, down_deg, 90.0)
 
 
-def error_map_deg(
-    cameras: tuple[HorizonCamera, HorizonCamera], *, unit_rays: bool, whole_px: bool
-) -> Array:
-    """Errors of the exact arcs' chords over MAP_DEG of yaw (rows) and pitch, at 500 km."""
-    return np.array(
-        [
-            [
-                nadir_error_deg(
-                    cameras,
-                    tilted_nadir(pitch, yaw),
-                    PAPERS_HEIGHT_M,
-                    unit_rays=unit_rays,
-                    whole_px=whole_px,
-                )
-                for pitch in MAP_DEG
-            ]
-            for yaw in MAP_DEG
-        ]
-    )
-
-
-def model_rms_deg(
-    width_deg: float, height_m: float, *, unit_rays: bool, width_px: int = 640
-) -> float:
-    """Of one camera's pitch over +-14 deg, the horizon in the middle, ends in whole pixels."""
-    return _rms(lens(width_deg, width_px, np.rad2deg(dip_rad(height_m)), 0.0), height_m, unit_rays)
-
-
-def _rms(one: HorizonCamera, height_m: float, unit_rays: bool) -> float:
-    """Over ROLLS_DEG about the boresight, about which the chord measures."""
+def error_map_deg(cameras: tuple[HorizonCamera, HorizonCamera], unit_rays: bool) -> Array:
+    """Errors of chords in whole pixels over MAP_DEG of yaw (rows) and pitch."""
     errors = [
-        roll_error_deg(
-            one,
-            _turned(one.boresight_body, float(roll)),
-            height_m,
-            unit_rays=unit_rays,
-            whole_px=True,
-        )
+        nadir_error_deg(cameras, tilted_nadir(pitch, yaw), unit_rays=unit_rays, whole_px=True)
+        for yaw, pitch in product(MAP_DEG, MAP_DEG)
+    ]
+    return np.reshape(errors, (len(MAP_DEG), len(MAP_DEG)))
+
+
+def model_rms_deg(width_deg: float, height_m: float, *, unit_rays: bool) -> float:
+    """Of one camera's pitch over ROLLS_DEG about its boresight, the horizon in the middle."""
+    one = lens(width_deg, 640, np.rad2deg(dip_rad(height_m)), 0.0)
+    errors = [
+        roll_error_deg(one, _turned(one.boresight_body, float(roll)), height_m, unit_rays)
         for roll in np.deg2rad(ROLLS_DEG)
     ]
     return float(np.sqrt(np.mean(np.square(errors))))
@@ -259,39 +233,28 @@ SHARP = Scene(constant_limb_m=17.5e3, cloud_cover=0.0, land=0.0)
 SWEEP_DEG = (-14.0, -12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0, 14.0)
 
 
-class Errors(NamedTuple):
-    """Of the nadir by three methods, deg; NaN where a method gives none."""
-
-    as_printed: float
-    unit_rays: float
-    estimator: float
-
-
-@lru_cache(maxsize=256)
-def errors_deg(pitch_deg: float, yaw_deg: float) -> Errors:
-    """At one attitude of the craft."""
-    request, images, truth = frames(pitch_deg, yaw_deg, SHARP, Sensor())
-    found = [paper_nadir(images, request.cameras, unit_rays) for unit_rays in (False, True)]
-    answer = estimate_vertical(images, request)
-    found.append(answer.geocentric.nadir_body if answer.geocentric else None)
-    return Errors(*(_off_deg(nadir, truth) for nadir in found))
+@lru_cache(maxsize=1)
+def sweep() -> Array:
+    """Errors over SWEEP_DEG of pitch, deg: as printed, between unit rays, of our estimator;
+    (n, 3), NaN where a method gives none."""
+    found = []
+    for pitch_deg in SWEEP_DEG:
+        request, images, truth = frames(pitch_deg)
+        answer = estimate_vertical(images, request).geocentric
+        nadirs = [paper_nadir(images, request.cameras, unit_rays) for unit_rays in (False, True)]
+        nadirs.append(answer.nadir_body if answer else None)
+        found.append([_off_deg(nadir, truth) for nadir in nadirs])
+    return np.array(found)
 
 
-def sweep(pitches_deg: tuple[float, ...]) -> Array:
-    """Errors over pitch, yaw zero: (n, 3)."""
-    return np.array([errors_deg(pitch, 0.0) for pitch in pitches_deg])
-
-
-def frames(
-    pitch_deg: float, yaw_deg: float, scene: Scene, sensor: Sensor
-) -> tuple[HorizonRequest, list, Array]:
+def frames(pitch_deg: float) -> tuple[HorizonRequest, list, Array]:
     """A request, its two images and the true geocentric nadir in body axes."""
     around = Surroundings(EPOCH, POSITION, Body())
-    tilt = Rotation.from_euler("xy", [yaw_deg, pitch_deg], degrees=True).as_matrix()
+    tilt = Rotation.from_euler("y", pitch_deg, degrees=True).as_matrix()
     c_body_from_itrf = tilt @ LEVEL
     cameras = ring(2)
-    horizon = HorizonRenderer(around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, scene, 3)
-    images = [horizon.picture(one, sensor) for one in cameras]
+    horizon = HorizonRenderer(around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, SHARP, 3)
+    images = [horizon.picture(one, Sensor()) for one in cameras]
     q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci).as_quat()
     request = HorizonRequest(epoch=EPOCH, position=POSITION, cameras=cameras)
     told = PredictedAttitude(q_body_from_eci_xyzw=tuple(q.tolist()), sigma_deg=1.0)
@@ -384,9 +347,9 @@ def seen(print_xy: Array, rig: Rig, tilt_rad: float) -> Array:
 
 
 def found_tilt_rad(
-    print_xy: Array, rig: Rig, tilt_rad: float, unit_rays: bool, random: np.random.Generator
+    print_xy: Array, rig: Rig, tilt_rad: float, random: np.random.Generator
 ) -> float:
-    """The tilt the camera finds by the chord of the arc in its frame; NaN without one."""
+    """The tilt the camera finds by the chord between its arc's ends; NaN without an arc."""
     flat = seen(print_xy, rig, tilt_rad)
     inside = (np.abs(flat[:, 0]) <= HALF_WIDTH) & (np.abs(flat[:, 1]) <= HALF_HEIGHT)
     run = longest_run(inside)
@@ -397,9 +360,6 @@ def found_tilt_rad(
     ends = ends + rig.edge_noise_px * pixel * random.standard_normal((2, 2))
     if rig.whole_px:
         ends = np.rint(ends / pixel) * pixel
-    if not unit_rays:
-        x, y = ends[1] - ends[0]
-        return -float(np.arctan2(y, x))
     rays = np.column_stack([ends, np.ones(2)])
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     x, y, z = rays[1] - rays[0]
@@ -418,8 +378,8 @@ def told_tilt_rad(tilt_rad: Array, rig: Rig, random: np.random.Generator) -> Arr
     return np.asarray(np.arctan2(g[0], g[1]))
 
 
-def differences_deg(rig: Rig, *, unit_rays: bool, seed: int = 0) -> Array:
-    """Camera minus accelerometer over TILTS_DEG, both zeroed upright."""
+def rms_deg(rig: Rig, seed: int = 0) -> float:
+    """Of camera minus accelerometer over TILTS_DEG, both zeroed upright."""
     random = np.random.default_rng(seed)
     tilt_rad = np.deg2rad(TILTS_DEG)
     # A swing about its middle: fast upright, at rest at the ends.
@@ -427,90 +387,38 @@ def differences_deg(rig: Rig, *, unit_rays: bool, seed: int = 0) -> Array:
     print_xy = horizon_print()
     found_rad = np.array(
         [
-            found_tilt_rad(print_xy, rig, float(late_rad), unit_rays, random)
+            found_tilt_rad(print_xy, rig, float(late_rad), random)
             for late_rad in tilt_rad - rate_rad_s * rig.delay_s
         ]
     )
     upright = replace(rig, noise_g=0.0, edge_noise_px=0.0, whole_px=False)
-    zero_found = found_tilt_rad(print_xy, upright, 0.0, unit_rays, random)
+    zero_found = found_tilt_rad(print_xy, upright, 0.0, random)
     zero_told = told_tilt_rad(np.zeros(1), upright, random)[0]
     told_rad = told_tilt_rad(tilt_rad, rig, random)
-    return np.asarray(np.rad2deg((found_rad - zero_found) - (told_rad - zero_told)))
-
-
-def rms_deg(rig: Rig, *, unit_rays: bool, seed: int = 0) -> float:
-    """Root mean square of `differences_deg`."""
-    return float(np.sqrt(np.nanmean(differences_deg(rig, unit_rays=unit_rays, seed=seed) ** 2)))
+    off_deg = np.rad2deg((found_rad - zero_found) - (told_rad - zero_told))
+    return float(np.sqrt(np.nanmean(off_deg**2)))
 
 
 # The experiment of Lomaka, Ustyugov 2016, simulated: what makes 0.752 deg of a model's 0.038.
 
-EXPERIMENT_DEG = 0.752
 DRAWS = 300
-TOLD = ("scale_error", "delay_s", "noise_g", "quantum_g")  # of what the accelerometer tells
+# Usual imperfections, assumed (1 sigma), by field of Rig; the accelerometer's from a common one's
+# data sheet (ADXL345: 3.9 mg a step, 0.75 steps of noise, sensitivity within 10 %).
+USUAL = {
+    "scale_error": 0.05,
+    "off_middle": 0.15,
+    "pivot_below": 0.1,
+    "axis_off_deg": 3.0,
+    "leaning_deg": 3.0,
+    "off_square_deg": 3.0,
+    "distortion": 0.03,
+}
+USUAL_OF_ALL = {"quantum_g": 0.0039, "noise_g": 0.0029}
+FARTHER, DELAY_S = 0.3, 0.08  # than the picture's perspective; of the video, swinging 14 deg in 5 s
 VIDEO = Sensor(full_well_e=2e3, read_noise_e=40.0, jpeg_quality=50)
 QUIET = Sensor(full_well_e=0.0)
 
 
-class Cause(NamedTuple):
-    """Something that may be wrong with the rig: a field of it, its usual size and its largest.
-
-    Usual sizes are assumed (1 sigma), the accelerometer's from a common one's data sheet
-    (ADXL345: 3.9 mg a step, 0.75 steps of noise, sensitivity within 10 %).
-    """
-
-    name: str
-    field: str
-    usual: float
-    largest: float
-    unit: str
-    factor: float = 1.0  # from the field's unit to the one shown
-
-
-CAUSES = (
-    Cause("accelerometer's scale", "scale_error", 0.05, 0.2, "%", 100.0),
-    Cause("video late, rig swinging 14 deg in 5 s", "delay_s", 0.08, 1.0, "s"),
-    Cause("accelerometer's noise", "noise_g", 0.0029, 0.05, "mg", 1e3),
-    Cause("accelerometer's step", "quantum_g", 0.0039, 0.1, "mg", 1e3),
-    Cause("camera farther than the picture's perspective", "distance", 0.3, 5.0, "times farther"),
-    Cause("horizon below the frame's middle", "off_middle", 0.15, 0.95, "% of half", 100.0),
-    Cause("axis of tilt below the lens", "pivot_below", 0.1, 1.5, "% of distance", 100.0),
-    Cause("axis of tilt off the optical axis", "axis_off_deg", 3.0, 40.0, "deg"),
-    Cause("print leaning", "leaning_deg", 3.0, 40.0, "deg"),
-    Cause("print turned aside", "off_square_deg", 3.0, 40.0, "deg"),
-    Cause("lens distortion at the corner", "distortion", 0.03, 0.4, "%", 100.0),
-    Cause("noise of the arc's ends", "edge_noise_px", 0.0, 12.0, "px"),
-)
-
-
-def rig_with(cause: Cause, size: float) -> Rig:
-    """One cause alone."""
-    base = 1.0 if cause.field == "distance" else 0.0
-    return replace(Rig(), **{cause.field: base + size})
-
-
-def size_for(cause: Cause, unit_rays: bool) -> float:
-    """How large a cause must be to make the experiment's error by itself; NaN: no size does."""
-
-    def short_of(size: float) -> float:
-        seeds = range(6 if cause.field in ("noise_g", "edge_noise_px") else 1)
-        squares = [rms_deg(rig_with(cause, size), unit_rays=unit_rays, seed=s) ** 2 for s in seeds]
-        return float(np.sqrt(np.mean(squares))) - EXPERIMENT_DEG
-
-    # Not every one makes ever more: the first size that is enough.
-    tried = np.linspace(0.0, cause.largest, 13)
-    enough = next((k for k, size in enumerate(tried) if short_of(size) > 0.0), None)
-    if enough is None:
-        return float("nan")
-    return float(brentq(short_of, tried[enough - 1], tried[enough], xtol=1e-4 * cause.largest))
-
-
-def typical(cause: Cause, noise_px: float) -> float:
-    """The usual size; of the ends' noise the measured one."""
-    return noise_px if cause.field == "edge_noise_px" else cause.usual
-
-
-@lru_cache(maxsize=1)
 def frame_noise_px() -> float:
     """1-sigma of an arc's ends by noise and coding of a video frame, as the paper's method finds.
 
@@ -537,73 +445,28 @@ def frame_noise_px() -> float:
     return float(np.sqrt(np.mean(np.square(shifts))))
 
 
-@lru_cache(maxsize=2)
-def drawn_rigs(unit_rays: bool) -> Array:
-    """Rms differences of rigs whose causes are all drawn at their usual sizes, deg, sorted."""
-    noise_px, found = frame_noise_px(), []
+def drawn_rigs(noise_px: float) -> Array:
+    """Rms differences of rigs whose causes are all drawn at their usual sizes, deg."""
+    found = []
     for seed in range(DRAWS):
         random = np.random.default_rng(seed)
-        rig = Rig(whole_px=True, quantum_g=0.0039, noise_g=0.0029, edge_noise_px=noise_px)
-        sizes = {
-            cause.field: cause.usual * random.standard_normal()
-            for cause in CAUSES
-            if cause.field not in ("quantum_g", "noise_g", "edge_noise_px", "distance", "delay_s")
-        }
-        distance = float(np.exp(0.3 * random.standard_normal()))
-        delay_s = abs(0.08 * random.standard_normal())
-        rig = replace(rig, distance=distance, delay_s=delay_s, **sizes)
-        found.append(rms_deg(rig, unit_rays=unit_rays, seed=seed))
-    return np.sort(found)
-
-
-@lru_cache(maxsize=1)
-def causes_alone() -> tuple[tuple[Cause, float, float, float], ...]:
-    """Each cause, its rms at its usual size (unit rays), and the sizes that make 0.752 deg:
-    between unit rays, as printed."""
-    noise_px = frame_noise_px()
-    return tuple(
-        (
-            cause,
-            rms_deg(rig_with(cause, typical(cause, noise_px)), unit_rays=True),
-            size_for(cause, unit_rays=True),
-            size_for(cause, unit_rays=False),
-        )
-        for cause in CAUSES
-    )
+        sizes = {name: usual * random.standard_normal() for name, usual in USUAL.items()}
+        distance = float(np.exp(FARTHER * random.standard_normal()))
+        delay_s = abs(DELAY_S * random.standard_normal())
+        own = Rig(whole_px=True, edge_noise_px=noise_px, distance=distance, delay_s=delay_s)
+        found.append(rms_deg(replace(own, **USUAL_OF_ALL, **sizes), seed))
+    return np.array(found)
 
 
 def experiment_numbers() -> Numbers:
     noise_px = frame_noise_px()
-    unit, printed = drawn_rigs(unit_rays=True), drawn_rigs(unit_rays=False)
-    low, high = np.quantile(unit, [0.05, 0.95])
-    alone = {row[0].field: row for row in causes_alone()}
-    told_deg, seen_deg = (
-        float(np.sqrt(sum(row[1] ** 2 for field, row in alone.items() if (field in TOLD) is told)))
-        for told in (True, False)
-    )
-    sizes = [
-        f"{cause.name} {cause.factor * size:.3g} {cause.unit}"
-        for cause, _, size, _ in causes_alone()
-        if not np.isnan(size)
-    ]
+    alone = {**USUAL, **USUAL_OF_ALL, "distance": 1.0 + FARTHER, "delay_s": DELAY_S}
+    alone["edge_noise_px"] = noise_px
+    squares = [rms_deg(Rig(**{name: size})) ** 2 for name, size in alone.items()]
     return {
-        "experiment's error": float(np.median(unit)),
-        "noise of the frames": rms_deg(Rig(edge_noise_px=noise_px, whole_px=True), unit_rays=True),
-        "imperfect rig": float(np.hypot(told_deg, seen_deg)),
-        "flat picture": rms_deg(Rig(), unit_rays=False),
-        "rigs": DRAWS,
-        "low": float(low),
-        "high": float(high),
-        "median_printed": float(np.median(printed)),
-        "as_bad": 100.0 * float(np.mean(unit >= EXPERIMENT_DEG)),
-        "noise_px": noise_px,
-        "told_deg": told_deg,
-        "seen_deg": seen_deg,
-        "sizes": "; ".join(sizes),
-        "flat_unit_rays": rms_deg(Rig(), unit_rays=True),
-        "from_half": rms_deg(Rig(distance=0.5), unit_rays=False),
-        "from_twice": rms_deg(Rig(distance=2.0), unit_rays=False),
-        "distance": 1.0 + alone["distance"][3],
+        "experiment's error": float(np.median(drawn_rigs(noise_px))),
+        "noise of the frames": rms_deg(Rig(edge_noise_px=noise_px, whole_px=True)),
+        "imperfect rig": float(np.sqrt(sum(squares))),
     }
 
 
@@ -615,58 +478,20 @@ DOWN_DEG = float(np.rad2deg(dip_rad(PAPERS_HEIGHT_M)))
 
 
 def vertical_numbers() -> Numbers:
-    return {**_method(), **_figures(), "three points": float(points_needed())}
-
-
-def _method() -> Numbers:
     axis = np.array([0.0, 0.0, 1.0])  # of the horizon's circle: the vertical at (0, 0, R + H)
-    printed = np.linalg.norm(printed_circle(axis, corrected=False), axis=1)
-    mended = np.linalg.norm(printed_circle(axis, corrected=True), axis=1)
-    exact, flat = (
-        nadir_error_deg(
-            pair(60.0, DOWN_DEG), tilted_nadir(12.0, 12.0), PAPERS_HEIGHT_M, unit_rays=unit
-        )
-        for unit in (True, False)
-    )
+    printed = np.linalg.norm(printed_circle(axis), axis=1)
     return {
         "circle's radii": float(printed.max() / printed.min()),
         "circle's size": float(np.sin(dip_rad(PAPERS_HEIGHT_M))),
         "circle on the image": circle_misfit_px(60.0),
-        "chord in the image plane": flat,
+        "chord in the image plane": nadir_error_deg(
+            pair(60.0, DOWN_DEG), tilted_nadir(12.0, 12.0), unit_rays=False
+        ),
         "sphere": geodetic_deg(),
-        "mended": float(mended.max() / mended.min()),
-        "centre": float(np.cos(dip_rad(PAPERS_HEIGHT_M))),
-        "misfit_40_px": circle_misfit_px(40.0),
-        "misfit_90_px": circle_misfit_px(90.0),
-        "exact_deg": exact,
+        "model's error": model_rms_deg(60.0, PAPERS_HEIGHT_M, unit_rays=True),
+        "pitch sweep, edges found": float(np.sqrt(np.nanmean(sweep()[:, 1] ** 2))),
+        "three points": float(points_needed()),
     }
-
-
-def _figures() -> Numbers:
-    over_sweep = _rms_of_each(sweep(SWEEP_DEG))
-    narrow, half, double = (
-        model_rms_deg(60.0, PAPERS_HEIGHT_M, unit_rays=True, width_px=px) for px in (640, 320, 1280)
-    )
-    return {
-        "model's error": narrow,
-        "pitch sweep, edges found": float(over_sweep[1]),
-        "theory_deg": float(np.rad2deg(np.sqrt(1 / 6) / 640)),
-        "at_320_px": half,
-        "at_1280_px": double,
-        "narrow_deg": max(f for f in FIELDS_DEG if _model(f, unit_rays=False) < 1.2 * MODEL_DEG),
-        "printed_at_60": _model(60.0, unit_rays=False),
-        "sweep_printed": float(over_sweep[0]),
-        "sweep_estimator": float(over_sweep[2]),
-    }
-
-
-@lru_cache(maxsize=64)
-def _model(field_deg: float, unit_rays: bool) -> float:
-    return model_rms_deg(field_deg, PAPERS_HEIGHT_M, unit_rays=unit_rays)
-
-
-def _rms_of_each(errors: Array) -> Array:
-    return np.asarray(np.sqrt(np.nanmean(errors.reshape(-1, 3) ** 2, axis=0)))
 
 
 def draw_vertical(folder: Path) -> None:
@@ -681,7 +506,7 @@ def _draw_map() -> Figure:
         rows, ((0.0, "level (Fig. 2)"), (DOWN_DEG, "at the horizon")), strict=True
     ):
         for panel, unit_rays in zip(row, (False, True), strict=True):
-            errors = error_map_deg(pair(60.0, down_deg), unit_rays=unit_rays, whole_px=True)
+            errors = error_map_deg(pair(60.0, down_deg), unit_rays)
             shown = panel.pcolormesh(
                 MAP_DEG,
                 MAP_DEG,
@@ -716,7 +541,7 @@ def _draw_model() -> Figure:
     left.annotate("the paper: 0.038", (62.0, 0.041), fontsize="small", color="0.3")
     left.set(xlabel="width of the field, deg", ylabel="rms of pitch, deg", yscale="log")
     left.legend(fontsize="x-small")
-    errors = sweep(SWEEP_DEG)
+    errors = sweep()
     for k, name in enumerate(("as printed", "unit rays", "our estimator")):
         right.plot(SWEEP_DEG, errors[:, k], "o-", color=("C1", "C0", "C2")[k], ms=3, label=name)
     right.axhline(MODEL_DEG, color="0.3", lw=0.8)

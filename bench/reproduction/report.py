@@ -25,7 +25,7 @@ TABLE, DOCUMENT, IMAGES = DOCS / "reproduction.csv", DOCS / "reproduction.md", D
 PAPERS = ("platonov", "lomaka", "sumarokov")
 VERDICTS = ("reproduced", "set", "ours")
 ROUNDING = 1e-9  # of a number that may not move: its last digits are the processor's
-Numbers = dict[str, float | str]  # of a section: by its statements' names, and what reasons tell
+Numbers = dict[str, float]  # of a section, by its statements' names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,16 +102,15 @@ def read_statements(file: Path = FILE) -> list[Statement]:
     return found
 
 
-def row(one: Statement, numbers: Mapping[str, float | str]) -> Row:
-    ours = one.ours if one.function is None else float(numbers[one.name])
+def row(one: Statement, numbers: Mapping[str, float]) -> Row:
+    ours = one.ours if one.function is None else numbers[one.name]
     if ours is not None and not math.isfinite(ours):
         raise ValueError(f"{one.paper}, {one.name}: {ours} is no number to state")
     result = ""
     if one.verdict == "reproduced" and ours is not None:
         result = "agrees" if one.agrees(ours) else "differs"
     known = {field.name: getattr(one, field.name, None) for field in fields(Row)}
-    why = one.why.format_map(numbers)
-    return Row(**{**known, "sense": one.sense or "", "ours": ours, "result": result, "why": why})
+    return Row(**{**known, "sense": one.sense or "", "ours": ours, "result": result})
 
 
 def sections(names: Iterable[str] = ()) -> dict[str, list[str]]:
