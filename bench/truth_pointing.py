@@ -1,4 +1,4 @@
-"""Frequencies against stated probabilities: point 1 of bench/truth.py.
+"""Attitude errors and frequencies against what is stated: of bench/truth.py.
 
 The attitude is the telemetry's second half, its mean stated from the first half and wrong by as
 much as is assumed; the orbit is known (attitude alone), or predicted by elements and truly what
@@ -9,15 +9,20 @@ scalar) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Da
 import gzip
 from collections.abc import Iterator
 from dataclasses import replace
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
-from truth_elements import REBOOST_REV_DAY, created, read_oem_file, read_tles
-from truth_orbits import ARCHIVE, HELD_OUT_MONTH
-from truth_rows import Row, share_row
+from truth_orbits import (
+    ARCHIVE,
+    HELD_OUT_MONTH,
+    created,
+    read_oem_file,
+    read_tles,
+)
+from truth_rows import Row, nees_row, share_row
 
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import line_of_sight
@@ -43,6 +48,8 @@ LEAST = 20  # sessions in a bin
 GOAL = 0.05
 TLE_AGES_DAYS = (3.0, 7.0)  # where the growth, all that later elements show, is most of the error
 OEM_AGES_DAYS = (2.0, 14.0)
+PERIOD_S = 5560.0
+NOON_UTC = datetime(2018, 10, 12, 12, tzinfo=UTC)
 
 
 class Pair(NamedTuple):
@@ -66,11 +73,27 @@ def rows(data: Path, sessions: int) -> Iterator[Row]:
             if inside.sum() >= LEAST:
                 name = f"probability {edge:.1f}-{edge + 1.0 / BINS:.1f}, {what}"
                 sets = len(np.unique(orbits[inside]))
-                yield share_row(1, name, told[inside].mean(), kept[inside].mean(), sets, GOAL)
+                yield share_row(name, told[inside].mean(), kept[inside].mean(), sets, GOAL)
     likely = [b for b in budgets if b.probability_in_frame < LIKELY]
-    warned = sum(b.warning(0) is not None for b in likely)
-    yield Row(2, "likely misses that carry the warning", "all", f"{warned} of {len(likely)}",
+    warned = sum(b.warning() is not None for b in likely)
+    yield Row("likely misses that carry the warning", "all", f"{warned} of {len(likely)}",
               warned == len(likely))  # fmt: skip
+
+
+def swing_rows(folder: Path) -> Iterator[Row]:
+    """About the mean, wrong by as much as is assumed of what a request states."""
+    t_s, q_body_from_lvlh = telemetry(folder)
+    first = t_s < t_s[len(t_s) // 2]
+    mean = q_body_from_lvlh[first].mean()
+    turn_rad = (q_body_from_lvlh[~first] * mean.inv()).as_rotvec()
+    told = LvlhAttitude().errors(Instants(NOON_UTC, np.zeros(1)))
+    stated2 = np.deg2rad(MEAN_SIGMA_DEG) ** 2
+    variances = np.ravel(told.sigma_body_rad) ** 2 + told.swing_rms_body_rad**2
+    squares = (turn_rad**2 + stated2) / variances
+    orbits = np.array_split(squares, round(np.ptp(t_s[~first]) / PERIOD_S))
+    for k, axis in enumerate("xyz"):
+        sets = [orbit[:, k : k + 1] for orbit in orbits]
+        yield nees_row(f"attitude lvlh about body {axis}", sets, "")
 
 
 def reliability(
@@ -160,16 +183,14 @@ def _known(data: Path) -> list[Pair]:
 
 
 def _later_elements(data: Path) -> list[Pair]:
-    """Of the archive's held-out months, no reboost between; truth near the later ones' epoch."""
+    """Of the archive's held-out months, reboosts included; truth near the later ones' epoch."""
     tles = sorted(read_tles(data / "tle" / ARCHIVE), key=lambda tle: tle.epoch_utc)
     tles = [tle for tle in tles if tle.epoch_utc.month >= HELD_OUT_MONTH]
-    raised = np.diff([float(t.line2[52:63]) for t in tles]) < REBOOST_REV_DAY
     return [
         Pair(first, later, later.epoch_utc)
         for k, first in enumerate(tles)
-        for m, later in enumerate(tles[k + 1 :], k + 1)
+        for later in tles[k + 1 :]
         if _within(elapsed_s(later.epoch_utc, first.epoch_utc), TLE_AGES_DAYS)
-        and not raised[k:m].any()
     ]
 
 

@@ -13,13 +13,12 @@ GAUSS, USUAL = 2.0, 4.4  # variance of the square of an error of variance 1
 
 
 class Row(NamedTuple):
-    """What a point of the table asks for and what was seen.
+    """What a row of the table asks for and what was seen.
 
     is_met: None where nothing is asked, or where the goal is missed but a law that tells the truth
     may well be seen so by as few independent sets.
     """
 
-    point: int
     what: str
     goal: str
     seen: str
@@ -27,7 +26,6 @@ class Row(NamedTuple):
 
 
 def nees_row(
-    point: int,
     what: str,
     sets: Sequence[np.ndarray],
     of: str,
@@ -48,17 +46,17 @@ def nees_row(
     doubtful = bool(np.all(np.abs(nees - 1.0) <= FEW_SIGMA * by_number))
     values = ", ".join(f"{value:.2f}" for value in nees)
     seen = f"{values} +-{by_number:.2f} {of}; {_sets(len(sets), power)}"
-    return Row(point, what, f"NEES {low}-{high}", seen, _verdict(beyond, doubtful))
+    return Row(what, f"NEES {low}-{high}", seen, _verdict(beyond, doubtful))
 
 
-def share_row(point: int, what: str, told: float, kept: float, sets: int, goal: float) -> Row:
+def share_row(what: str, told: float, kept: float, sets: int, goal: float) -> Row:
     """A told probability beside the share that was kept, of independent sets."""
     by_number = np.sqrt(told * (1.0 - told) / sets)
     power = 1.0 - 2.0 * norm.sf(goal / by_number)
     off = abs(kept - told)
     seen = f"told {told:.3f}, kept {kept:.3f} +-{by_number:.3f}; {_sets(sets, power)}"
     is_met = _verdict(bool(off > goal), bool(off <= FEW_SIGMA * by_number))
-    return Row(point, what, f"within {goal}", seen, is_met)
+    return Row(what, f"within {goal}", seen, is_met)
 
 
 def _verdict(beyond: bool, doubtful: bool) -> bool | None:
