@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
 from estimator.images import Pixels
+from estimator.limb.geometry import Limb
 from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import HorizonRenderer, Scene
 from estimator.rendering.sensor import Sensor
@@ -128,25 +129,18 @@ def case(
     true_cameras: those that take the picture, when they differ from those the estimator knows.
     """
     while True:
-        epoch = datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=rng.uniform(0.0, 3.15e7))
-        latitude, longitude = np.arcsin(rng.uniform(-0.85, 0.85)), rng.uniform(-np.pi, np.pi)
-        r_itrf_m = itrf_from_geodetic(latitude, longitude, rng.uniform(350e3, 700e3))
-        position = Position(frame="ITRF", position_km=tuple((r_itrf_m / 1e3).tolist()))
-        around = Surroundings(epoch, position, Body())
-        limb = around.limb
-        heading = rng.uniform(0.0, 2.0 * np.pi)
-        x = np.cos(heading) * limb.axes_itrf[0] + np.sin(heading) * limb.axes_itrf[1]
-        level = np.stack([x, np.cross(limb.nadir_itrf, x), limb.nadir_itrf])
+        epoch, place_rad = _draw_place(rng)
+        position, around = _surroundings(epoch, place_rad, rng.uniform(350e3, 700e3))
+        limb, level = around.limb, _draw_level(rng, around.limb)
         tilt = Rotation.from_euler("xyz", rng.uniform(-attitude_deg, attitude_deg, 3), degrees=True)
         c_body_from_itrf = tilt.as_matrix() @ level
         sun_body = c_body_from_itrf @ around.sun_itrf
-        elevation = np.rad2deg(np.arcsin(-around.sun_itrf @ limb.nadir_itrf))
         off = np.rad2deg(np.arccos(sun_body @ cameras[0].boresight_body))
         low, high = sun_from_boresight_deg
-        if sun_deg[0] <= elevation <= sun_deg[1] and low <= off <= high:
+        if sun_deg[0] <= _sun_deg(around) <= sun_deg[1] and low <= off <= high:
             break
     horizon = HorizonRenderer(
-        r_itrf_m,
+        limb.r_itrf_m,
         c_body_from_itrf,
         around.sun_itrf,
         scene or random_air(rng),
@@ -173,27 +167,37 @@ def case(
     )
 
 
+def _draw_place(rng: np.random.Generator) -> tuple[datetime, tuple[float, float]]:
+    """An epoch of 2026, latitude and longitude."""
+    epoch = datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=rng.uniform(0.0, 3.15e7))
+    return epoch, (np.arcsin(rng.uniform(-0.85, 0.85)), rng.uniform(-np.pi, np.pi))
+
+
+def _surroundings(
+    epoch: datetime, place_rad: tuple[float, float], height_m: float
+) -> tuple[Position, Surroundings]:
+    r_itrf_m = itrf_from_geodetic(*place_rad, height_m)
+    position = Position(frame="ITRF", position_km=tuple((r_itrf_m / 1e3).tolist()))
+    return position, Surroundings(epoch, position, Body())
+
+
+def _draw_level(rng: np.random.Generator, limb: Limb) -> Floats:
+    """Axes of a level body from ITRF at a random heading, (3, 3)."""
+    heading = rng.uniform(0.0, 2.0 * np.pi)
+    x = np.cos(heading) * limb.axes_itrf[0] + np.sin(heading) * limb.axes_itrf[1]
+    return np.stack([x, np.cross(limb.nadir_itrf, x), limb.nadir_itrf])
+
+
+def _sun_deg(around: Surroundings) -> float:
+    """Elevation of the Sun at the craft."""
+    return float(np.rad2deg(np.arcsin(-around.sun_itrf @ around.limb.nadir_itrf)))
+
+
 NEGATIVES = (
-    "black",
-    "white",
-    "noise",
-    "stars",
-    "moon",
-    "ground",
-    "cloud deck",
-    "airglow",
-    "straight edge",
-    "text",
-    "blobs",
-    "terminator",
-    "straight, soft",
-    "straight, fading as air",
-    "straight, fading as sRGB",
-    "straight, a ramp",
-    "red limb",
-    "limb without air",
-    "aurora",
-)
+    "black", "white", "noise", "stars", "moon", "ground", "cloud deck", "airglow", "straight edge",
+    "text", "blobs", "terminator", "straight, soft", "straight, fading as air",
+    "straight, fading as sRGB", "straight, a ramp", "red limb", "limb without air", "aurora",
+)  # fmt: skip
 
 
 def negative(kind: str, rng: np.random.Generator) -> tuple[Pixels, HorizonRequest]:
@@ -290,14 +294,9 @@ def _request(
     rng: np.random.Generator, sun_deg: tuple[float, float], down_deg: float
 ) -> tuple[HorizonRequest, Surroundings]:
     while True:
-        epoch = datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=rng.uniform(0.0, 3.15e7))
-        r_itrf_m = itrf_from_geodetic(
-            np.arcsin(rng.uniform(-0.85, 0.85)), rng.uniform(-np.pi, np.pi), 420e3
-        )
-        position = Position(frame="ITRF", position_km=tuple((r_itrf_m / 1e3).tolist()))
-        around = Surroundings(epoch, position, Body())
-        elevation = np.rad2deg(np.arcsin(-around.sun_itrf @ around.limb.nadir_itrf))
-        if sun_deg[0] < elevation < sun_deg[1]:
+        epoch, place_rad = _draw_place(rng)
+        position, around = _surroundings(epoch, place_rad, 420e3)
+        if sun_deg[0] < _sun_deg(around) < sun_deg[1]:
             cameras = (camera("c0", 0.0, down_deg=down_deg),)
             return HorizonRequest(epoch=epoch, position=position, cameras=cameras), around
 
@@ -305,12 +304,9 @@ def _request(
 def _seen(
     rng: np.random.Generator, around: Surroundings, seen_by: HorizonCamera, scene: Scene
 ) -> Pixels:
-    limb = around.limb
-    heading = rng.uniform(0.0, 2.0 * np.pi)
-    x = np.cos(heading) * limb.axes_itrf[0] + np.sin(heading) * limb.axes_itrf[1]
-    level = np.stack([x, np.cross(limb.nadir_itrf, x), limb.nadir_itrf])
+    level = _draw_level(rng, around.limb)
     seed = int(rng.integers(1 << 30))
-    return HorizonRenderer(limb.r_itrf_m, level, around.sun_itrf, scene, seed).picture(
+    return HorizonRenderer(around.limb.r_itrf_m, level, around.sun_itrf, scene, seed).picture(
         seen_by, COLOUR
     )
 

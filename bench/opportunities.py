@@ -99,8 +99,8 @@ def _beside_peers(
         print(f"  {name:26s} {one_s:8.3f} s")
     for name, finder in (
         ("Skyfield find_events", _skyfield),
-        ("brahe, 60 s steps", _brahe(60.0)),
-        ("brahe, 10 s steps", _brahe(10.0)),
+        ("brahe, 60 s steps", partial(_brahe, 60.0)),
+        ("brahe, 10 s steps", partial(_brahe, 10.0)),
     ):
         theirs, theirs_s = _timed(partial(finder, places_deg, stop, lines))
         ratios = ", ".join(f"{theirs_s / own_s:.1f}" for own_s in own.values())
@@ -195,35 +195,28 @@ def _skyfield(
 
 
 def _brahe(
-    step_s: float,
-) -> Callable[[list[tuple[float, float]], datetime, tuple[str, str]], Windows]:
-    def found(
-        places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
-    ) -> Windows:
-        brahe.set_num_threads(1)
-        brahe.set_global_eop_provider(
-            brahe.FileEOPProvider.from_standard_file(str(FINALS), True, "Hold")
-        )
-        start = brahe.Epoch.from_datetime(
-            START.year, START.month, START.day, 0, 0, 0.0, 0.0, brahe.UTC
-        )
-        accesses = brahe.location_accesses(
-            [
-                brahe.PointLocation(longitude, latitude, 0.0).with_id(number)
-                for number, (latitude, longitude) in enumerate(places_deg)
-            ],
-            brahe.SGPPropagator.from_tle(*lines, 60.0),
-            start,
-            start + (stop - START).total_seconds(),
-            brahe.ElevationConstraint(MIN_ELEVATION_DEG),
-            config=brahe.AccessSearchConfig(initial_time_step=step_s, time_tolerance=0.001),
-        )
-        windows: list[list[tuple[float, float]]] = [[] for _ in places_deg]
-        for access in accesses:
-            windows[access.location_id].append((access.start - start, access.end - start))
-        return [np.array(sorted(edges)).reshape(-1, 2) for edges in windows]
-
-    return found
+    step_s: float, places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
+) -> Windows:
+    brahe.set_num_threads(1)
+    brahe.set_global_eop_provider(
+        brahe.FileEOPProvider.from_standard_file(str(FINALS), True, "Hold")
+    )
+    start = brahe.Epoch.from_datetime(START.year, START.month, START.day, 0, 0, 0.0, 0.0, brahe.UTC)
+    accesses = brahe.location_accesses(
+        [
+            brahe.PointLocation(longitude, latitude, 0.0).with_id(number)
+            for number, (latitude, longitude) in enumerate(places_deg)
+        ],
+        brahe.SGPPropagator.from_tle(*lines, 60.0),
+        start,
+        start + (stop - START).total_seconds(),
+        brahe.ElevationConstraint(MIN_ELEVATION_DEG),
+        config=brahe.AccessSearchConfig(initial_time_step=step_s, time_tolerance=0.001),
+    )
+    windows: list[list[tuple[float, float]]] = [[] for _ in places_deg]
+    for access in accesses:
+        windows[access.location_id].append((access.start - start, access.end - start))
+    return [np.array(sorted(edges)).reshape(-1, 2) for edges in windows]
 
 
 def _compared(ours: Windows, theirs: Windows) -> str:

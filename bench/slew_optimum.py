@@ -19,7 +19,7 @@ import numpy as np
 from slew_reference import Array, ReferenceError, least_costs
 
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
-from slew_cases import LIMITS, NAMES, can_brake, deg_state, sampled
+from slew_cases import LIMITS, NAMES, Case, can_brake, deg_state, sampled
 
 from planner.base.errors import InfeasibleSlew
 from planner.motion.slew import AxisState, SlewProblem, SlewSolution, next_duration_s
@@ -65,27 +65,19 @@ def draw_axis(seed: int, number: int) -> SlewProblem:
         start, end = (draw_state(rng, KINDS[kind % 4]) for kind in (number, number // 4))
         least_s = next_duration_s(start, end, LIMITS, 0.0)
         if least_s is not None:
-            return _problem([start], [end], draw_duration_s(rng, least_s))
+            return Case((start,), (end,)).problem(draw_duration_s(rng, least_s))
 
 
 def draw_pair(seed: int, number: int) -> SlewProblem:
     """Both axes, in one time."""
     rng = np.random.default_rng([seed, number, len(NAMES)])
     while True:
-        start, end = ([draw_state(rng, str(rng.choice(KINDS))) for _ in NAMES] for _ in range(2))
+        start, end = (
+            tuple(draw_state(rng, str(rng.choice(KINDS))) for _ in NAMES) for _ in range(2)
+        )
         least = [next_duration_s(a, b, LIMITS, 0.0) for a, b in zip(start, end, strict=True)]
         if None not in least:
-            return _problem(start, end, draw_duration_s(rng, max(least)))
-
-
-def _problem(start: list[AxisState], end: list[AxisState], duration_s: float) -> SlewProblem:
-    return SlewProblem(
-        axis_names=NAMES[: len(start)],
-        limits=(LIMITS,) * len(start),
-        start=tuple(start),
-        end=tuple(end),
-        duration_s=duration_s,
-    )
+            return Case(start, end).problem(draw_duration_s(rng, max(least)))
 
 
 def told(problem: SlewProblem) -> str:

@@ -21,8 +21,8 @@ class Case:
 
     def problem(self, duration_s):
         return SlewProblem(
-            axis_names=NAMES,
-            limits=(LIMITS, LIMITS),
+            axis_names=NAMES[: len(self.start)],
+            limits=(LIMITS,) * len(self.start),
             start=self.start,
             end=self.end,
             duration_s=duration_s,
