@@ -23,6 +23,7 @@ from horizon_cases import (
     NEGATIVES,
     Case,
     RollingShutter,
+    angle_deg,
     case,
     negative,
     other_air,
@@ -62,8 +63,8 @@ class Row:
         if answer.geocentric is None or answer.geodetic is None:
             self.refused[answer.reason.name if answer.reason else "?"] += 1
             return answer
-        self.error_deg.append(_angle_deg(answer.geocentric.nadir_body, one.geocentric_body))
-        self.geodetic_deg.append(_angle_deg(answer.geodetic.nadir_body, one.geodetic_body))
+        self.error_deg.append(angle_deg(answer.geocentric.nadir_body, one.geocentric_body))
+        self.geodetic_deg.append(angle_deg(answer.geodetic.nadir_body, one.geodetic_body))
         nadir = answer.geocentric
         off = nadir.axes_body @ (nadir.nadir_body - one.geocentric_body)
         self.normalised2.append(float(off @ np.linalg.solve(nadir.covariance_rad2, off)))
@@ -89,10 +90,6 @@ class Row:
 
 def _rms(values: list[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def _angle_deg(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.rad2deg(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
 
 
 def ideal_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
@@ -124,7 +121,7 @@ def real_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
         for unit_rays, errors in papers.items():
             nadir = paper_nadir(one.images[:2], one.request.cameras[:2], unit_rays)
             if nadir is not None:
-                errors.append(_angle_deg(nadir, one.geocentric_body))
+                errors.append(angle_deg(nadir, one.geocentric_body))
     yield from (*rows.values(), blind)
     for unit_rays, errors in papers.items():
         print(
@@ -232,31 +229,8 @@ def disturbed_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
         yield from rows.values()
 
 
-def mirrored(rng: np.random.Generator, count: int) -> None:
-    for name, flip in (("mirrored", 1), ("upside down", 0), ("turned by 180 deg", -1)):
-        verdicts: Counter[str] = Counter()
-        for _ in range(count):
-            one = case(rng, ring(2))
-            flipped = [np.ascontiguousarray(cv2.flip(i, flip)) for i in one.images]
-            answer = estimate_vertical(flipped, one.request)
-            passed = answer.verdict == Verdict.CONSISTENT
-            off = 0.0
-            if answer.geocentric is not None:
-                off = _angle_deg(answer.geocentric.nadir_body, one.geocentric_body)
-            verdicts[f"consistent, {off:.2f} deg off" if passed else str(answer.verdict)] += 1
-        print(f"{name + ' frames':44s} {dict(verdicts)}", flush=True)
-
-
 def negatives(rng: np.random.Generator, count: int) -> None:
-    answered, slowest_s = negatives_answered(rng, count)
-    print(
-        f"{'images without a horizon':44s} {answered} of {count} answered, "
-        f"{slowest_s:.2f} s at most"
-    )
-
-
-def negatives_answered(rng: np.random.Generator, count: int) -> tuple[int, float]:
-    """How many images without a horizon are answered, and the longest processor time (s)."""
+    """How many images without a horizon are answered, and the longest processor time."""
     answered, slowest_s = 0, 0.0
     for k in range(count):
         image, request = negative(NEGATIVES[k % len(NEGATIVES)], rng)
@@ -264,7 +238,10 @@ def negatives_answered(rng: np.random.Generator, count: int) -> tuple[int, float
         answer = estimate_vertical([image], request)
         slowest_s = max(slowest_s, time.process_time() - start)
         answered += answer.verdict != Verdict.NOT_OBSERVABLE
-    return answered, slowest_s
+    print(
+        f"{'images without a horizon':44s} {answered} of {count} answered, "
+        f"{slowest_s:.2f} s at most"
+    )
 
 
 # What is measured, its share of the number of frames asked for, and the least number of them.
@@ -273,7 +250,6 @@ GROUPS: dict[str, tuple[Callable[..., Iterator[Row] | None], float, int]] = {
     "real": (real_rows, 1.0, 1),
     "harder": (harder_rows, 0.5, 4),
     "disturbed": (disturbed_rows, 0.5, 4),
-    "mirrored": (mirrored, 1.0 / 6.0, 4),
     "negatives": (negatives, 3.8, 19),
     "air": (other_air_rows, 0.5, 4),
 }

@@ -33,17 +33,27 @@ class Case:
     geodetic_body: Floats
 
 
+def angle_deg(a: Floats, b: Floats) -> float:
+    """Between two directions."""
+    return float(np.rad2deg(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
+
+
 def camera(
-    name: str, azimuth_deg: float, width: int = 640, height: int = 480, down_deg: float = 22.0
+    name: str,
+    azimuth_deg: float,
+    width: int = 640,
+    height: int = 480,
+    down_deg: float = 22.0,
+    width_deg: float = 60.0,
 ) -> HorizonCamera:
-    """A camera 60 deg wide on a body whose +Z is nadir, looking down at the horizon."""
+    """A camera on a body whose +Z is nadir, looking down at the horizon."""
     azimuth, down = np.deg2rad([azimuth_deg, down_deg])
     z = np.array([np.cos(azimuth) * np.cos(down), np.sin(azimuth) * np.cos(down), np.sin(down)])
     # Image rows run down, towards nadir.
     y = np.array([0.0, 0.0, 1.0]) - z[2] * z
     y /= np.linalg.norm(y)
     c_camera_from_body = np.stack([np.cross(y, z), y, z])
-    focal_px = 0.5 * width / np.tan(np.deg2rad(30.0))
+    focal_px = 0.5 * width / np.tan(np.deg2rad(0.5 * width_deg))
     return HorizonCamera(
         name=name,
         width_px=width,

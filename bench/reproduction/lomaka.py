@@ -7,7 +7,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from horizon_cases import camera, ring
+from horizon_cases import angle_deg, camera, ring
 from matplotlib.figure import Figure
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
@@ -21,7 +21,7 @@ from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic
-from reproduction.lomaka_method import horizon_arc_px, paper_nadir
+from reproduction.lomaka_method import chord_body, horizon_arc_px, paper_nadir
 from reproduction.report import Numbers
 
 # The horizon of a sphere in a frame, its exact arc and what the paper's chord makes of it.
@@ -37,22 +37,9 @@ def dip_rad(height_m: float) -> float:
     return float(np.arccos(RADIUS_M / (RADIUS_M + height_m)))
 
 
-def lens(width_deg: float, width_px: int, down_deg: float, azimuth_deg: float) -> HorizonCamera:
+def lens(width_deg: float, down_deg: float, azimuth_deg: float) -> HorizonCamera:
     """A 4:3 camera on a body whose +Z is nadir at zero pitch and yaw."""
-    height_px = round(0.75 * width_px)
-    one = camera(f"c{azimuth_deg:g}", azimuth_deg, width_px, height_px, down_deg)
-    focal_px = 0.5 * width_px / np.tan(np.deg2rad(0.5 * width_deg))
-    return HorizonCamera(
-        name=one.name,
-        width_px=width_px,
-        height_px=height_px,
-        fx_px=focal_px,
-        fy_px=focal_px,
-        cx_px=one.cx_px,
-        cy_px=one.cy_px,
-        q_camera_from_body_xyzw=one.q_camera_from_body_xyzw,
-        lens_sigma=0.0,
-    )
+    return camera("", azimuth_deg, down_deg=down_deg, width_deg=width_deg)
 
 
 def limb_rays(nadir_body: Array, height_m: float) -> Array:
@@ -80,15 +67,6 @@ def arc_px(camera: HorizonCamera, nadir_body: Array, height_m: float) -> Array:
     edge = [camera.width_px - 1, camera.height_px - 1]
     seen = np.all((xy_px >= 0.0) & (xy_px <= edge), axis=1)
     return np.asarray(xy_px[longest_run(seen)])
-
-
-def chord_body(camera: HorizonCamera, ends_px: Array, unit_rays: bool) -> Array:
-    """What joins the ends (2, 2) of an arc, (3,): between unit rays, or as printed on the image."""
-    if unit_rays:
-        first, last = camera.rays_body(ends_px)
-        return np.asarray(last - first)
-    flat = np.append(ends_px[1] - ends_px[0], 0.0)
-    return np.asarray(camera.q_camera_from_body.inv().apply(flat))
 
 
 def nadir_error_deg(
@@ -173,7 +151,7 @@ PAPERS_HEIGHT_M = 500e3  # ours: the paper names none
 
 def pair(width_deg: float, down_deg: float) -> tuple[HorizonCamera, HorizonCamera]:
     """Two cameras at right angles, each so far below the level (the paper's: 0)."""
-    return lens(width_deg, 640, down_deg, 0.0), lens(width_deg, 640, down_deg, 90.0)
+    return lens(width_deg, down_deg, 0.0), lens(width_deg, down_deg, 90.0)
 
 
 def error_map_deg(cameras: tuple[HorizonCamera, HorizonCamera], unit_rays: bool) -> Array:
@@ -187,7 +165,7 @@ def error_map_deg(cameras: tuple[HorizonCamera, HorizonCamera], unit_rays: bool)
 
 def model_rms_deg(width_deg: float, height_m: float, *, unit_rays: bool) -> float:
     """Of one camera's pitch over ROLLS_DEG about its boresight, the horizon in the middle."""
-    one = lens(width_deg, 640, np.rad2deg(dip_rad(height_m)), 0.0)
+    one = lens(width_deg, np.rad2deg(dip_rad(height_m)), 0.0)
     errors = [
         roll_error_deg(one, _turned(one.boresight_body, float(roll)), height_m, unit_rays)
         for roll in np.deg2rad(ROLLS_DEG)
@@ -205,7 +183,7 @@ def circle_misfit_px(width_deg: float) -> float:
 
     Gauss-Newton in the largest departure: each step is a linear programme in the circle's changes.
     """
-    one = lens(width_deg, 640, np.rad2deg(dip_rad(PAPERS_HEIGHT_M)), 0.0)
+    one = lens(width_deg, np.rad2deg(dip_rad(PAPERS_HEIGHT_M)), 0.0)
     arc = arc_px(one, np.array([0.0, 0.0, 1.0]), PAPERS_HEIGHT_M)
     design = np.column_stack([2.0 * arc, np.ones(len(arc))])
     x, y, rest = np.linalg.lstsq(design, np.sum(arc**2, axis=1), rcond=None)[0]
@@ -243,7 +221,7 @@ def sweep() -> Array:
         answer = estimate_vertical(images, request).geocentric
         nadirs = [paper_nadir(images, request.cameras, unit_rays) for unit_rays in (False, True)]
         nadirs.append(answer.nadir_body if answer else None)
-        found.append([_off_deg(nadir, truth) for nadir in nadirs])
+        found.append([np.nan if nadir is None else angle_deg(nadir, truth) for nadir in nadirs])
     return np.array(found)
 
 
@@ -260,13 +238,6 @@ def frames(pitch_deg: float) -> tuple[HorizonRequest, list, Array]:
     told = PredictedAttitude(q_body_from_eci_xyzw=tuple(q.tolist()), sigma_deg=1.0)
     truth = np.asarray(c_body_from_itrf @ around.limb.nadir_itrf)
     return replace(request, predicted=told), images, truth
-
-
-def _off_deg(nadir: Array | None, truth: Array) -> float:
-    if nadir is None:
-        return float("nan")
-    across = np.linalg.norm(np.cross(nadir, truth))
-    return float(np.rad2deg(np.arctan2(across, nadir @ truth)))
 
 
 # The paper's experiment on the bench: a flat picture of the horizon before a tilting camera.

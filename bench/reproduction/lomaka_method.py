@@ -35,18 +35,23 @@ def paper_nadir(
         if arc is None:
             return None
         ends, centre = arc
-        rays = camera.rays_body(np.stack([*ends, centre, ends.mean(axis=0)]))
-        if unit_rays:
-            chords.append(rays[1] - rays[0])
-        else:
-            flat = np.append(ends[1] - ends[0], 0.0)
-            chords.append(camera.q_camera_from_body.inv().apply(flat))
-        inward += rays[2] - rays[3]
+        chords.append(chord_body(camera, ends, unit_rays))
+        towards, middle = camera.rays_body(np.stack([centre, ends.mean(axis=0)]))
+        inward += towards - middle
     nadir = np.cross(chords[0], chords[1])
     if not np.linalg.norm(nadir) > 0.0:
         return None
     nadir /= np.linalg.norm(nadir)
     return np.asarray(nadir * np.sign(nadir @ inward))
+
+
+def chord_body(camera: HorizonCamera, ends_px: Array, unit_rays: bool) -> Array:
+    """What joins the ends (2, 2) of an arc, (3,): between unit rays, or as printed on the image."""
+    if unit_rays:
+        first, last = camera.rays_body(ends_px)
+        return np.asarray(last - first)
+    flat = np.append(ends_px[1] - ends_px[0], 0.0)
+    return np.asarray(camera.q_camera_from_body.inv().apply(flat))
 
 
 def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Array, Array] | None:
