@@ -23,14 +23,12 @@ from pathlib import Path
 import numpy as np
 
 from planner.planning.campaigns import (
-    Campaign,
     CampaignRequest,
     CampaignTarget,
     ViewWeights,
     choose_campaign,
 )
-from planner.planning.opportunities import OpportunityConditions, find_opportunities
-from planner.world.frames.time_scales import elapsed_s
+from planner.planning.opportunities import OpportunityConditions
 from planner.world.orbits import TleOrbit
 from planner.world.platforms import BODIES, PLATFORMS
 from planner.world.targets import GroundTarget
@@ -84,31 +82,7 @@ def main() -> None:
         f"{len(campaign.left_out)} left out, unseen by "
         f"{dict(Counter(one.closed_by for one in campaign.unseen))}"
     )
-    single, begin_early, centred = single_looks(request, campaign)
-    print(
-        f"  of {single} looks alone in their passes {begin_early} begin within 2 s of rising, "
-        f"{centred} are centred within 2.5 s on the highest elevation"
-    )
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
-
-
-def single_looks(request: CampaignRequest, campaign: Campaign) -> tuple[int, int, int]:
-    """Looks that have a pass to themselves: how many, begin with their window, are centred."""
-    windows = find_opportunities(request.opportunities()).windows
-    single = [flight.looks[0] for flight in campaign.passes if len(flight.looks) == 1]
-    late_s, off_s = [], []
-    for look in single:
-        begins_s = elapsed_s(look.start_utc, request.start)
-        middle_s = begins_s + 0.5 * elapsed_s(look.stop_utc, look.start_utc)
-        holds = (windows.rise_s <= middle_s) & (middle_s <= windows.set_s)
-        [row] = np.flatnonzero(holds & (windows.target == look.row))
-        late_s.append(begins_s - windows.rise_s[row])
-        off_s.append(abs(middle_s - windows.highest_s[row]))
-    return (
-        len(single),
-        int(np.sum(np.array(late_s) < 2.0)),
-        int(np.sum(np.array(off_s) <= 2.5)),
-    )
 
 
 def campaign_request(targets: int, days: float, step_s: float, looks: int = 1) -> CampaignRequest:

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from horizon_cases import NEGATIVES, RollingShutter, case, negative, random_air, ring
-from reproduction.lomaka_method import paper_nadir
+from horizon_cases import NEGATIVES, RollingShutter, angle_deg, case, negative, ring
 from scipy.spatial.transform import Rotation
 
 from estimator.check import Verdict, across_axes, check_attitude
@@ -32,10 +31,6 @@ def moved(position, steps):
     """By so many times 1e-9 km along x."""
     x_km, *others_km = position.position_km
     return replace(position, position_km=(x_km + steps * 1e-9, *others_km))
-
-
-def off_deg(measured, true):
-    return float(np.rad2deg(np.linalg.norm(np.cross(measured, true))))
 
 
 def normalised2(nadir, truth):
@@ -61,7 +56,7 @@ def test_ideal_limb_within_a_hundredth_of_a_degree(sensor):
     one = case(np.random.default_rng(3002), ring(2), scene=scene, sensor=sensor)
     answer = estimate_vertical(one.images, one.request)
     # The issue's 0.010 deg rms; twice that for a single draw.
-    assert off_deg(answer.geocentric.nadir_body, one.geocentric_body) < 0.02
+    assert angle_deg(answer.geocentric.nadir_body, one.geocentric_body) < 0.02
 
 
 @pytest.mark.parametrize("seed", range(3010, 3012))
@@ -136,11 +131,10 @@ def test_an_unstated_lens_may_be_a_hundredth_off(pair):
     assert normalised2(answer.geocentric, pair.geocentric_body) < FOUR_SIGMA
 
 
-@pytest.mark.parametrize(("seed", "scale"), [(3010, 1.01), (3015, 0.99), (3018, 1.01)])
-def test_a_lens_wrongly_stated_as_calibrated_is_found_out(seed, scale):
-    """Believed, such lenses leave squares of 105, 65 and 36 over the variance told."""
-    one = case(np.random.default_rng(seed), ring(2))
-    longer = tuple(replace(c, fx_px=scale * c.fx_px, fy_px=scale * c.fy_px) for c in ring(2))
+def test_a_lens_wrongly_stated_as_calibrated_is_found_out():
+    """Believed, such a lens leaves a square of 65 over the variance told."""
+    one = case(np.random.default_rng(3015), ring(2))
+    longer = tuple(replace(c, fx_px=0.99 * c.fx_px, fy_px=0.99 * c.fy_px) for c in ring(2))
     right = estimate_vertical(one.images, one.request)
     wrong = estimate_vertical(one.images, replace(one.request, cameras=longer))
     assert normalised2(wrong.geocentric, one.geocentric_body) < FOUR_SIGMA
@@ -268,12 +262,11 @@ def test_clouds_seen_down_to_the_ground_are_not_the_limb(seed):
     assert normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
 
 
-@pytest.mark.parametrize("seed", [5001, 5002])
-def test_colours_are_sharp_under_clouds_and_blurred_by_a_jpeg(seed):
+def test_colours_are_sharp_under_clouds_and_blurred_by_a_jpeg():
     scene = Scene(atmosphere=DUSTLESS, cloud_cover=0.5, roughness_m=500.0)
     little_noise = Sensor(colour=True, full_well_e=100e3, read_noise_e=6.0)
     for sensor, sharp in ((little_noise, True), (replace(little_noise, jpeg_quality=90), False)):
-        one = case(np.random.default_rng(seed), ring(2), scene=scene, sensor=sensor)
+        one = case(np.random.default_rng(5001), ring(2), scene=scene, sensor=sensor)
         assert [blue_is_sharp(image) for image in one.images] == [sharp, sharp]
 
 
@@ -311,19 +304,6 @@ def test_prediction_sees_what_the_estimator_then_finds(pair, found):
     assert np.min(np.linalg.norm(expected.limb_px - middle, axis=1)) < 15.0
     up = Rotation.from_euler("x", 180.0, degrees=True) * q
     assert predict_horizon(camera, around, up).reason is Reason.NOT_IN_FRAME
-
-
-def test_the_papers_chord_is_exact_on_unit_rays_only():
-    scene = replace(random_air(np.random.default_rng(1)), constant_limb_m=17.5e3)
-    printed, unit = [], []
-    for seed in range(3050, 3053):
-        one = case(np.random.default_rng(seed), ring(2), scene=scene)
-        for errors, unit_rays in ((unit, True), (printed, False)):
-            nadir = paper_nadir(one.images, one.request.cameras, unit_rays)
-            errors.append(off_deg(nadir, one.geodetic_body))
-    # Flattening alone makes 0.05 deg; the design notes found 0.13 and 0.50.
-    assert np.sqrt(np.mean(np.square(unit))) < 0.25
-    assert np.mean(printed) > np.mean(unit)
 
 
 def test_check_has_the_closed_form_of_two_equal_errors():
