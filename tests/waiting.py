@@ -42,3 +42,9 @@ class PatientClient(TestClient):
         return eventually(
             lambda: (answer := ask(url, headers=headers, **given)).status_code != 202 and answer
         )
+
+    def made(self, url, **given):
+        """What a request makes."""
+        answer = self.post(url, **given)
+        assert answer.status_code == 201, answer.text
+        return answer.json()

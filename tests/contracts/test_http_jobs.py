@@ -30,9 +30,7 @@ LATER = {"Prefer": "respond-async"}
 
 @pytest.fixture(scope="module")
 def plan(client):
-    answer = client.post(PLANS, json=SHORT)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made(PLANS, json=SHORT)
 
 
 @pytest.fixture

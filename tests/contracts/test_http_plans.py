@@ -18,9 +18,7 @@ JSON = {"Content-Type": "application/json"}
 
 @pytest.fixture(scope="module")
 def plan(client):
-    answer = client.post("/v1/plans", content=json.dumps(LAS_VEGAS), headers=JSON)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made("/v1/plans", content=json.dumps(LAS_VEGAS), headers=JSON)
 
 
 def utc(text: str) -> datetime:
@@ -48,9 +46,7 @@ def test_margins_are_those_of_the_curve_between_rows(plan):
 
 
 def example(client, name):
-    answer = client.post("/v1/plans", json=PLAN_EXAMPLES[name][1])
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made("/v1/plans", json=PLAN_EXAMPLES[name][1])
 
 
 ON_THE_EARTH = {

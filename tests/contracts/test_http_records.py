@@ -27,13 +27,7 @@ TWO["sessions"] = [
 
 @pytest.fixture(scope="module")
 def two(client):
-    return made(client, "/v1/plans", TWO)
-
-
-def made(client, path, request):
-    answer = client.post(path, json=request)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made("/v1/plans", json=TWO)
 
 
 def listed(client, query, path="/v1/plans"):
@@ -87,7 +81,7 @@ def test_lists_tell_of_it(client, two):
 
 
 def test_an_imaging_session_says_what_it_is(client):
-    made_id = made(client, "/v1/spacecraft/plans", STRIP)["id"]
+    made_id = client.made("/v1/spacecraft/plans", json=STRIP)["id"]
     session = client.get(f"/v1/spacecraft/plans/{made_id}").json()
     summary, windows = session["summary"], session["windows"]
     assert summary["targets"] == [f["properties"]["name"] for f in STRIP["requests"]["features"]]

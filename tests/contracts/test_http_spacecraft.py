@@ -16,9 +16,7 @@ STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
 
 @pytest.fixture(scope="module")
 def plan(client):
-    answer = client.post(PLANS, json=FOUR_MODES)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made(PLANS, json=FOUR_MODES)
 
 
 def test_all_that_is_asked_is_imaged(plan):

@@ -33,9 +33,7 @@ def rows_of(table_csv, tmp_path):
 
 @pytest.fixture(scope="module")
 def plan(client):
-    answer = client.post("/v1/plans", json=LAS_VEGAS)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made("/v1/plans", json=LAS_VEGAS)
 
 
 @pytest.fixture(scope="module")

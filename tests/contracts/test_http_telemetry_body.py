@@ -15,9 +15,7 @@ REQUEST = other_body.body_request(sessions=1)
 
 @pytest.fixture(scope="module")
 def plan(client):
-    answer = client.post("/v1/plans", json=REQUEST)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made("/v1/plans", json=REQUEST)
 
 
 @pytest.fixture(scope="module")

@@ -28,9 +28,7 @@ SUN_CONE = next(
 
 
 def made(client, document, path="/v1/plans"):
-    answer = client.post(path, json=document)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return client.made(path, json=document)
 
 
 @pytest.fixture(scope="module")

@@ -19,12 +19,6 @@ OWN_PLATFORM = PLAN_EXAMPLES["platform"][1]
 HIDDEN = "a\0b\u202ec " + "long " * 600
 
 
-def post(client, path, request):
-    answer = client.post(path, json=request)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
-
-
 def let_in_once(client, plan_id, request):
     """As a version stored it that asked less of requests."""
     packed = zlib.compress(json.dumps(request).encode())
@@ -39,7 +33,7 @@ def refusal(client, path, request):
 @pytest.fixture(scope="module")
 def plan(client):
     """Beyond today's ranges, counts, lengths of text and characters."""
-    made = post(client, "/v1/plans", OWN_PLATFORM)
+    made = client.made("/v1/plans", json=OWN_PLATFORM)
     request = copy.deepcopy(OWN_PLATFORM)
     for axis in ("outer", "inner"):
         request["platform"][axis] |= {"angle_min_deg": -2000.0, "angle_max_deg": 2000.0}
@@ -88,7 +82,7 @@ def test_it_is_flown_and_compared(client, plan):
 def test_a_session_of_the_spacecraft(client):
     path = "/v1/spacecraft/plans"
     asked = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 1}
-    made = post(client, path, asked)
+    made = client.made(path, json=asked)
     request = asked | {
         "name": HIDDEN,
         "simulation_runs": 10_000,
@@ -125,7 +119,7 @@ def test_features_beyond_todays_bounds():
 )
 def test_a_request_in_words_of_another_version_is_told(client, change, kind, says):
     """What needs it is refused; what was answered stays."""
-    made = post(client, "/v1/plans", OWN_PLATFORM)
+    made = client.made("/v1/plans", json=OWN_PLATFORM)
     let_in_once(client, made["id"], OWN_PLATFORM | change)
     where = f"/v1/plans/{made['id']}"
     for asked in ("table?format=aem", "view"):

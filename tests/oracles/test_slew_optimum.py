@@ -7,24 +7,13 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import BPoly
 from scipy.optimize import linprog
+from slew_cases import LIMITS, deg_state
 
 from planner.motion.baseline.paper_cubic import cubic_profile
 from planner.motion.slew.feasibility import next_duration_s, passes_certificate, verdict
 from planner.motion.slew.optimal import optimal_slew
 from planner.motion.slew.problem import AxisSlew, AxisState, SlewProblem
 from planner.motion.slew.smoothest import find_smoothest
-from planner.world.platforms import ISS_HRC
-
-LIMITS = ISS_HRC.outer_limits
-
-
-def deg_state(angle, rate=0.0, acceleration=0.0):
-    return AxisState(
-        angle_rad=math.radians(angle),
-        rate_rad_s=math.radians(rate),
-        acceleration_rad_s2=math.radians(acceleration),
-    )
-
 
 MOVES = {
     "long from rest": (deg_state(-150), deg_state(140)),

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
+from slew_cases import Case, deg_state
 
 from planner.motion.baseline.paper_cubic import (
     cubic_profile,
@@ -12,26 +13,14 @@ from planner.motion.baseline.paper_cubic import (
     paper_duration_s,
     paper_slew,
 )
-from planner.motion.slew.problem import AxisState, SlewProblem
-from planner.world.platforms import ISS_HRC
+from planner.motion.slew.problem import AxisState
 from planner.world.scenario import SlewOptions
 
-LIMITS = ISS_HRC.outer_limits
 UNFILTERED = SlewOptions(filter_cutoff_hz=None)
 
 
-def deg_state(angle, rate=0.0):
-    return AxisState(angle_rad=math.radians(angle), rate_rad_s=math.radians(rate))
-
-
 def slew(start, end, duration_s=1e3):
-    return SlewProblem(
-        axis_names=ISS_HRC.axis_names[: len(start)],
-        limits=(LIMITS,) * len(start),
-        start=start,
-        end=end,
-        duration_s=duration_s,
-    )
+    return Case(start, end).problem(duration_s)
 
 
 def test_duration_by_hand():
