@@ -310,38 +310,26 @@ def skyfield_sun_eci():
     return unit(sun.frame_xyz(ICRS).au)
 
 
-def test_exclusions_are_counted_from_the_suns_edge(table, skyfield_sun_eci):
-    """The least angle of a body axis, but for the carrier's parallax and aberration."""
-    for axis in np.eye(3):
-        expected = np.arccos(
-            Rotation.from_quat(table.position).apply(axis) @ skyfield_sun_eci
-        ).min() - math.radians(0.2690)  # half the disk at 0.9905 au
+@pytest.mark.parametrize(
+    ("side", "name", "limit_deg"), [("away_from", "min_deg", 10.0), ("near", "max_deg", 150.0)]
+)
+def test_exclusions_are_counted_from_the_suns_edge(table, skyfield_sun_eci, side, name, limit_deg):
+    """The least angle of a body axis from its nearest edge, the greatest from its farthest, but
+    for the carrier's parallax and aberration."""
+    sign, extreme = (1.0, np.min) if side == "away_from" else (-1.0, np.max)
+    for axis in np.vstack([np.eye(3), -np.eye(3)]):
+        angles = np.arccos(Rotation.from_quat(table.position).apply(axis) @ skyfield_sun_eci)
+        edge = extreme(angles) - sign * math.radians(0.2690)  # half the disk at 0.9905 au
         rule = Exclusion(
-            name="axis", direction_body=tuple(axis.tolist()), away_from="sun", min_deg=10.0
+            name="axis", direction_body=tuple(axis.tolist()), **{side: "sun", name: limit_deg}
         )
-        report = verify(table, with_body(exclusions=(rule,)))
-        (margin,) = report.exclusions
-        assert margin.margin_rad == pytest.approx(expected - math.radians(10.0), abs=2e-4)
-        tight = dataclasses.replace(rule, min_deg=math.degrees(expected) + 0.1)
+        (margin,) = verify(table, with_body(exclusions=(rule,))).exclusions
+        expected = sign * (edge - math.radians(limit_deg))
+        assert margin.margin_rad == pytest.approx(expected, abs=2e-4)
+        tight = dataclasses.replace(rule, **{name: math.degrees(edge) + sign * 0.1})
         (finding,) = verify(table, with_body(exclusions=(tight,))).findings
         assert finding.limit == "exclusion"
         assert '"axis"' in finding.detail
-
-
-def test_a_direction_stays_near_the_suns_farthest_edge(table, skyfield_sun_eci):
-    for axis in np.vstack([np.eye(3), -np.eye(3)]):
-        expected = np.arccos(
-            Rotation.from_quat(table.position).apply(axis) @ skyfield_sun_eci
-        ).max() + math.radians(0.2690)  # half the disk at 0.9905 au
-        rule = Exclusion(
-            name="panels", direction_body=tuple(axis.tolist()), near="sun", max_deg=150.0
-        )
-        (margin,) = verify(table, with_body(exclusions=(rule,))).exclusions
-        assert margin.margin_rad == pytest.approx(math.radians(150.0) - expected, abs=2e-4)
-        tight = dataclasses.replace(rule, max_deg=math.degrees(expected) - 0.1)
-        (finding,) = verify(table, with_body(exclusions=(tight,))).findings
-        assert finding.limit == "exclusion"
-        assert '"panels"' in finding.detail
 
 
 def test_cells_passed_by_hold_no_nearest_exclusion(table, monkeypatch):
