@@ -328,7 +328,7 @@ def draw_imaging(folder: Path) -> None:
         plan = planned(name)
         craft, imaging = (
             plan.request.definition().craft,
-            camera_on(plan.windows, len(plan.table.t_s)),
+            camera_on([(one.first_row, one.last_row) for one in plan.windows], len(plan.table.t_s)),
         )
         log = fly_table(craft, plan.table, imaging, orbit_states(plan), draw_dispersion(craft, 0))
         figure = draw(plan, log, SHOWN[name], CLOCK_S[name])
