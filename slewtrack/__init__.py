@@ -12,44 +12,23 @@ read or flown raises `Refused`; its `problem` names the field, the limit and the
 from typing import TYPE_CHECKING
 
 from slewtrack import client as _client
-from slewtrack.client import (
-    BadAnswer as BadAnswer,
-)
-from slewtrack.client import (
-    Cancelled as Cancelled,
-)
-from slewtrack.client import (
-    Columns as Columns,
-)
-from slewtrack.client import (
-    Job as Job,
-)
-from slewtrack.client import (
-    NoAnswer as NoAnswer,
-)
-from slewtrack.client import (
-    NotFinished as NotFinished,
-)
-from slewtrack.client import (
-    Plan as Plan,
-)
-from slewtrack.client import (
-    Problem as Problem,
-)
-from slewtrack.client import (
-    Progress as Progress,
-)
-from slewtrack.client import (
-    Refused as Refused,
-)
-from slewtrack.client import (
-    ServiceError as ServiceError,
-)
 from slewtrack.here import calls_here as _here
 
 if TYPE_CHECKING:
     from slewtrack.client import AsyncClient as AsyncClient
     from slewtrack.client import Client as Client
+
+BadAnswer = _client.BadAnswer
+Cancelled = _client.Cancelled
+Columns = _client.Columns
+Job = _client.Job
+NoAnswer = _client.NoAnswer
+NotFinished = _client.NotFinished
+Plan = _client.Plan
+Problem = _client.Problem
+Progress = _client.Progress
+Refused = _client.Refused
+ServiceError = _client.ServiceError
 
 campaign = _here.campaign
 check = _here.check
