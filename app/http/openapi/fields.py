@@ -86,9 +86,17 @@ def field_texts(kind: type) -> dict[str, str]:
     hints = get_type_hints(kind, include_extras=True)
     texts = {name: text for name, hint in hints.items() if (text := _about(hint))}
     for owner in reversed(kind.__mro__):
-        for names, text in _entries(owner, _names(kind)):
+        for names, text in entries(owner, _names(kind)):
             texts |= dict.fromkeys(names, text)
     return texts
+
+
+def entries(owner: type, names: Iterable[str]) -> Iterator[tuple[list[str], str]]:
+    """Of a class's docstring: the fields among these that each is about, and its text."""
+    doc = _doc(owner)
+    for match, end in _matches(doc, names):
+        text = " ".join(doc[match.end() : end].split())
+        yield match[1].split(", "), text[:1].upper() + text[1:].rstrip(".") + "."
 
 
 def class_text(kind: type) -> str:
@@ -179,13 +187,6 @@ def _about(hint: object) -> str:
         if text := part.text if isinstance(part, About) else _about(part):
             return text
     return ""
-
-
-def _entries(owner: type, names: Iterable[str]) -> Iterator[tuple[list[str], str]]:
-    doc = _doc(owner)
-    for match, end in _matches(doc, names):
-        text = " ".join(doc[match.end() : end].split())
-        yield match[1].split(", "), text[:1].upper() + text[1:].rstrip(".") + "."
 
 
 def _matches(doc: str, names: Iterable[str]) -> Iterator[tuple[re.Match[str], int]]:

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
-from pydantic import Field
 from sqlalchemy import Connection
 
 from app.answers.campaign import CampaignDryRun, CampaignResponse, campaign_json
@@ -16,9 +15,8 @@ from app.answers.members import to_json
 from app.http.blocking import EXPORT_BOUNDS, database_of, in_child, read
 from app.http.negotiation import JSON, ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
-from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource
-from app.http.routes.parameters import IdempotencyKey, PlanId, Prefer, QueryTime
+from app.http.routes.parameters import IdempotencyKey, Parameters, PlanId, Prefer, QueryTime
 from app.ids import is_id
 from app.jobs.job_completion import OF_CAMPAIGN
 from app.jobs.kinds import CAMPAIGN, ORDER
@@ -55,23 +53,19 @@ router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
 
 
 class CampaignPost(Parameters):
-    """Parameters of the POST."""
+    """Parameters of the POST.
 
-    dry_run: bool = Field(
-        default=False,
-        description="Only check that the request is well formed: fields, ranges, platform, orbit "
-        "and names of places and stars. Nothing is searched for, chosen or planned: a campaign "
-        "that has nothing to see, or days that the orbit doesn't reach, passes, too.",
-    )
-    revises: PlanId | None = Field(
-        default=None,
-        description="The campaign that this one revises, which stays as it is: `revises` of the "
-        "request is written with its looks.",
-    )
-    frozen_until: QueryTime | None = Field(
-        default=None,
-        description="With `revises`: passes that begin before it stay as they were chosen.",
-    )
+    dry_run: only check that the request is well formed: fields, ranges, platform, orbit and names
+    of places and stars. Nothing is searched for, chosen or planned: a campaign that has nothing to
+    see, or days that the orbit doesn't reach, passes, too.
+    revises: the campaign that this one revises, which stays as it is: `revises` of the request is
+    written with its looks.
+    frozen_until: with `revises`: passes that begin before it stay as they were chosen.
+    """
+
+    dry_run: bool = False
+    revises: PlanId | None = None
+    frozen_until: QueryTime | None = None
 
 
 @router.post(

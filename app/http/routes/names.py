@@ -7,23 +7,22 @@ from pydantic import Field
 
 from app.answers.service import KnownPlaces, KnownStars, PlatformList, platform_list
 from app.http.negotiation import ONLY_JSON
-from app.http.query import Parameters
+from app.http.routes.parameters import Parameters
 from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
 
 
 class NamesQuery(Parameters):
-    """Which names to list."""
+    """Which names to list.
 
-    begin: str = Field(
-        min_length=1,
-        max_length=100,
-        description="The beginning of the name, in any script and case; of a place, after a comma, "
-        "the beginning of region or country.",
-        examples=["lond"],
-    )
-    limit: int = Field(default=8, ge=1, le=50, description="The largest number of names.")
+    begin: the beginning of the name, in any script and case; of a place, after a comma, the
+    beginning of region or country.
+    limit: the largest number of names.
+    """
+
+    begin: str = Field(min_length=1, max_length=100, examples=["lond"])
+    limit: int = Field(default=8, ge=1, le=50)
 
 
 @router.get("/v1/platforms", summary="List platforms")

@@ -1,16 +1,60 @@
 """Parameters and headers of the resources that jobs make; a misspelled parameter is refused."""
 
+import re
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from fastapi import Depends, Header, Path, Query
-from pydantic import AfterValidator, Field, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    create_model,
+    field_validator,
+)
+from pydantic_core import PydanticKnownError
 
-from app.http.query import Parameters
+from app.http.openapi.fields import entries
 from app.ids import JobState, is_id
+from app.requests.plain_text import require_plain
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text
 from planner.world.platforms import PIXELS_ARCSEC
+
+_WHOLE = re.compile(r"-?[0-9]{1,18}", re.ASCII)
+_NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
+
+
+class Parameters(BaseModel):
+    """Of one route; a misspelled one is refused, not ignored, and so is one half understood.
+
+    Their texts stand in their class's docstring, as those of requests' fields.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    def __init_subclass__(cls, **_: Any) -> None:  # noqa: ANN401 (pydantic's)
+        own = cls.__annotations__
+        for names, text in entries(cls, own):
+            for name in names:
+                own[name] = Annotated[own[name], Field(description=text)]
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _require_documented_form(cls, value: object, info: ValidationInfo) -> object:
+        if isinstance(value, str) and info.field_name is not None:
+            annotation = cls.model_fields[info.field_name].annotation
+            if annotation is int and not _WHOLE.fullmatch(value):
+                raise PydanticKnownError("int_parsing")
+            if annotation in (float, float | None) and not _NUMBER.fullmatch(value):
+                raise PydanticKnownError("float_parsing")
+            if annotation is bool and value not in ("true", "false"):
+                raise PydanticKnownError("bool_parsing")
+            require_plain(value)
+        return value
+
 
 Asked = TypeVar("Asked", bound=Parameters)
 
@@ -43,45 +87,36 @@ QueryTime = Annotated[
 
 
 class ListQuery(Parameters):
-    """Which plans to list."""
+    """Which plans to list.
 
-    limit: int = Field(default=50, ge=1, le=LIST_MAX, description="The largest number to list.")
-    cursor: PlanId | None = Field(default=None, description="`next` of the list before.")
-    state: JobState | None = Field(default=None, description="Only those in this state.")
-    name: str | None = Field(
-        default=None, min_length=1, max_length=200, description="Only those with this in the name."
-    )
-    target: str | None = Field(
-        default=None,
-        min_length=1,
-        max_length=200,
-        description="Only those with this in a target's name, id or words; case doesn't matter.",
-    )
-    text: str | None = Field(
-        default=None,
-        min_length=1,
-        max_length=200,
-        description="Only those with this in the name, the platform's name or a target's; case "
-        "doesn't matter.",
-    )
-    after: QueryTime | None = Field(
-        default=None,
-        description="Only those that end after this time: their `stop`, not when they were made.",
-    )
-    before: QueryTime | None = Field(
-        default=None,
-        description="Only those that begin before this time: their `start`, not when they were "
-        "made. With `after`: all that lie in between, in part or in whole.",
-    )
+    limit: the largest number to list.
+    cursor: `next` of the list before.
+    state: only those in this state.
+    name: only those with this in the name.
+    target: only those with this in a target's name, id or words; case doesn't matter.
+    text: only those with this in the name, the platform's name or a target's; case doesn't matter.
+    after: only those that end after this time: their `stop`, not when they were made.
+    before: only those that begin before this time: their `start`, not when they were made. With
+    `after`: all that lie in between, in part or in whole.
+    """
+
+    limit: int = Field(default=50, ge=1, le=LIST_MAX)
+    cursor: PlanId | None = None
+    state: JobState | None = None
+    name: str | None = Field(default=None, min_length=1, max_length=200)
+    target: str | None = Field(default=None, min_length=1, max_length=200)
+    text: str | None = Field(default=None, min_length=1, max_length=200)
+    after: QueryTime | None = None
+    before: QueryTime | None = None
 
 
 class PlanListQuery(ListQuery):
-    """Which plans to list, where campaigns make some."""
+    """Which plans to list, where campaigns make some.
 
-    campaign: PlanId | None = Field(
-        default=None,
-        description="List only the passes of this campaign; without it, no passes are listed.",
-    )
+    campaign: list only the passes of this campaign; without it, no passes are listed.
+    """
+
+    campaign: PlanId | None = None
 
 
 class TableQuery(Parameters):
@@ -91,35 +126,29 @@ class TableQuery(Parameters):
 
 
 class ViewQuery(TableQuery):
-    """How closely to look at a plan, and in which format to show it."""
+    """How closely to look at a plan, and in which format to show it.
 
-    step_s: float | None = Field(
-        default=None,
-        gt=0.0,
-        allow_inf_nan=False,
-        description="Time between rows of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
-        "least that shows at most 1,000 rows.",
-    )
+    step_s: time between rows of JSON and NetCDF, a multiple of 0.2 s; unless given, the least that
+    shows at most 1,000 rows.
+    pixel_arcsec: angle that a pixel covers, for the ground samples of JSON and NetCDF; unless
+    given, that of the platform's camera.
+    """
+
+    step_s: float | None = Field(default=None, gt=0.0, allow_inf_nan=False)
     pixel_arcsec: float | None = Field(
-        default=None,
-        ge=PIXELS_ARCSEC[0],
-        le=PIXELS_ARCSEC[1],
-        allow_inf_nan=False,
-        description="Angle that a pixel covers, for the ground samples of JSON and NetCDF; "
-        "unless given, that of the platform's camera.",
+        default=None, ge=PIXELS_ARCSEC[0], le=PIXELS_ARCSEC[1], allow_inf_nan=False
     )
 
 
 class PostQuery(TableQuery):
-    """How to plan."""
+    """How to plan.
 
-    dry_run: bool = Field(
-        default=False, description="Only check whether it can be flown; nothing is kept."
-    )
-    revises: PlanId | None = Field(
-        default=None,
-        description="The plan this one replaces: it becomes the next revision, the old one stays.",
-    )
+    dry_run: only check whether it can be flown; nothing is kept.
+    revises: the plan this one replaces: it becomes the next revision, the old one stays.
+    """
+
+    dry_run: bool = False
+    revises: PlanId | None = None
 
 
 def read_query(model: type[Asked]) -> Callable[[Asked], Awaitable[Asked]]:

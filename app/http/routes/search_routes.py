@@ -21,9 +21,8 @@ from app.answers.opportunities import FeatureCollection
 from app.http.blocking import database_of, in_child, read, where_solved
 from app.http.negotiation import ONLY_JSON, json_body, preferred_type, revalidated, saved_as
 from app.http.openapi.schema import REF, json_body_of
-from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource, tag_for_good
-from app.http.routes.parameters import PathId
+from app.http.routes.parameters import Parameters, PathId
 from app.jobs.child import Bounds
 from app.jobs.worker_process import Task
 from app.store import audit, jobs, results
@@ -55,34 +54,22 @@ SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunit
 
 
 class WindowsQuery(Parameters):
-    """Which windows, and what to tell of them."""
+    """Which windows, and what to tell of them.
 
-    limit: int | None = Field(
-        default=None,
-        ge=1,
-        le=PAGE_MAX,
-        description="The largest number of windows of this page: 100 unless given, of GeoJSON and "
-        "CSV all there are. At most 500 with `probability`.",
-    )
-    cursor: int = Field(
-        default=0, ge=0, le=10**9, description="`next` of the page before; 0 for the first."
-    )
-    target: str | None = Field(
-        default=None,
-        min_length=1,
-        max_length=200,
-        description="Only windows of the target with this id.",
-    )
-    include: str = Field(
-        default="",
-        max_length=100,
-        description="Members of windows beyond edges and session, with commas between: `view` the "
-        "greatest elevation, the sight at the closest approach and through the window, the "
-        "target's place and sky; of a platform's windows also `probability` that the target stays "
-        "in the frame, and `reasons` that leave targets without windows. GeoJSON and CSV always "
-        "have the view, and no probability.",
-        examples=["view,reasons"],
-    )
+    limit: the largest number of windows of this page: 100 unless given, of GeoJSON and CSV all
+    there are. At most 500 with `probability`.
+    cursor: `next` of the page before; 0 for the first.
+    target: only windows of the target with this id.
+    include: members of windows beyond edges and session, with commas between: `view` the greatest
+    elevation, the sight at the closest approach and through the window, the target's place and sky;
+    of a platform's windows also `probability` that the target stays in the frame, and `reasons`
+    that leave targets without windows. GeoJSON and CSV always have the view, and no probability.
+    """
+
+    limit: int | None = Field(default=None, ge=1, le=PAGE_MAX)
+    cursor: int = Field(default=0, ge=0, le=10**9)
+    target: str | None = Field(default=None, min_length=1, max_length=200)
+    include: str = Field(default="", max_length=100, examples=["view,reasons"])
 
 
 _LINK = {

@@ -38,10 +38,9 @@ from app.answers.stapi import (
 from app.http.blocking import database_of, read
 from app.http.negotiation import ONLY_JSON, answers, json_body
 from app.http.openapi.fields import describe
-from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource
 from app.http.routes.opportunities import OPPORTUNITIES
-from app.http.routes.parameters import LIST_MAX, IdempotencyKey, PathId
+from app.http.routes.parameters import LIST_MAX, IdempotencyKey, Parameters, PathId
 from app.ids import is_id
 from app.jobs.kinds import ORDER
 from app.requests.campaign import CAMPAIGN_READER

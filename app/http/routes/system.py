@@ -10,7 +10,7 @@ from app.answers.service import AuditLog, Health, ReadinessResponse
 from app.http.blocking import read
 from app.http.metrics import CONTENT_TYPE
 from app.http.negotiation import ONLY_JSON
-from app.http.query import Parameters
+from app.http.routes.parameters import Parameters
 from app.store.audit import entries
 from app.versions import VERSION
 
@@ -65,15 +65,14 @@ async def get_metrics(request: Request) -> Response:
 
 
 class AuditQuery(Parameters):
-    """Parameters of GET /v1/audit."""
+    """Parameters of GET /v1/audit.
 
-    limit: int = Field(default=100, ge=1, le=1000, description="Most entries.")
-    before: int = Field(
-        default=_AUDIT_ID_MAX,
-        ge=1,
-        le=_AUDIT_ID_MAX,
-        description="Only entries older than the one of this id.",
-    )
+    limit: most entries.
+    before: only entries older than the one of this id.
+    """
+
+    limit: int = Field(default=100, ge=1, le=1000)
+    before: int = Field(default=_AUDIT_ID_MAX, ge=1, le=_AUDIT_ID_MAX)
 
 
 @router.get("/v1/audit", summary="List the audit log", dependencies=ONLY_JSON)
