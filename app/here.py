@@ -194,8 +194,7 @@ def _plan(desk: Desk, work: LocalAsk) -> bytes:
     if "dry_run" in work.ask.query:
         origin = provenance(datetime.now(UTC), work.body)
         if work.is_spacecraft:
-            from app.requests.spacecraft import read_spacecraft_request
-            from app.work.spacecraft import try_session
+            from app.work.spacecraft import read_spacecraft_request, try_session
 
             return try_session(read_spacecraft_request(work.body), origin)
         return try_plan(read_plan_request(work.body), origin)
@@ -254,8 +253,13 @@ def _view(desk: Desk, work: LocalAsk) -> bytes:
 
 def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
     """Found, or told of again by page."""
-    from app.requests.opportunities import read_opportunity_request
-    from app.work.searches import WindowsAsked, find_windows, read_windows, search_json
+    from app.work.searches import (
+        WindowsAsked,
+        find_windows,
+        read_opportunity_request,
+        read_windows,
+        search_json,
+    )
 
     query, request = work.ask.query, work.body
     asked = WindowsAsked(
@@ -326,8 +330,13 @@ def told_pass(
 
 
 def _flights(desk: Desk, work: LocalAsk) -> Kept:
-    from app.answers.flights import FlightsHead, flights_found
-    from app.work.flights import PlanToFly, prepare_flights, unpacked_outcomes
+    from app.work.flights import (
+        FlightsHead,
+        PlanToFly,
+        flights_found,
+        prepare_flights,
+        unpacked_outcomes,
+    )
 
     made = desk.kept(work.id)
     what = PlanToFly(
@@ -343,8 +352,7 @@ def _flights(desk: Desk, work: LocalAsk) -> Kept:
 
 
 def _vertical(_: Desk, work: LocalAsk) -> bytes:
-    from app.requests.horizon import read_estimate_request
-    from app.work.horizon import estimate_json
+    from app.work.horizon import estimate_json, read_estimate_request
 
     origin = provenance(datetime.now(UTC), work.body, *work.files)
     return estimate_json(read_estimate_request(work.body), work.files, origin)

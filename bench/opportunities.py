@@ -43,8 +43,13 @@ from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
 
 from app.answers.members import provenance
-from app.requests.opportunities import read_opportunity_request
-from app.work.searches import VIEW, WindowsAsked, find_windows, search_json
+from app.work.searches import (
+    VIEW,
+    WindowsAsked,
+    find_windows,
+    read_opportunity_request,
+    search_json,
+)
 from planner.planning.opportunities import OpportunityRequest, WindowEdges, WindowSearch
 from planner.world.platforms import TwoAxisPlatform
 from planner.world.platforms.choice import BODIES

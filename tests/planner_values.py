@@ -2,8 +2,8 @@
 
 import json
 
-from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
+from app.work.searches import read_opportunity_request
 from planner.inflight.telemetry.compare import compare as compare_samples
 from planner.inflight.telemetry.platforms.registry import sensors_of
 from planner.inflight.telemetry.samples import read_csv

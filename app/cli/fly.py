@@ -48,7 +48,7 @@ def fly(
         flights = {"runs": runs, "seed": seed, "moving_object": moving_object}
         asked = json_text.dumps(flights).encode()
 
-        from app.requests.flights import read_flights_request
+        from app.work.flights import read_flights_request
 
         read_flights_request(asked)  # before anything is planned
         with planner_at(url) as planner, told_progress("planning") as tell:

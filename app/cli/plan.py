@@ -75,7 +75,7 @@ def plan(
 def _require_verified(verdict: Members) -> None:
     if verdict["passed"]:
         return
-    from app.answers.plan import require_verified
+    from app.work.plan import require_verified
     from planner.verification import Finding
 
     told = ("severity", "limit", "axis", "detail")

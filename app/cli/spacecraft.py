@@ -22,7 +22,7 @@ def spacecraft(
     """Plan an imaging session of the CMG spacecraft and report."""
     with files.report_beside(json, csv, exports=export) as console:
         body = files.read_request(file, settings)
-        from app.requests.spacecraft import read_spacecraft_request
+        from app.work.spacecraft import read_spacecraft_request
         from planner.output.export import EXPORTERS
 
         exports = files.formats_and_paths(export, EXPORTERS)

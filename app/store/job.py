@@ -17,7 +17,7 @@ class Listing:
     """As it was asked for, and once it is made as that turned out.
 
     platform: its name, or the spacecraft's.  start_utc, stop_utc: of what is looked at, first to
-    last.  targets: as people know them, each once.
+    last.  targets: as people know them, told once each.
     probability_in_frame: the least of any session's.
     """
 
@@ -28,15 +28,16 @@ class Listing:
     probability_in_frame: float | None = None
 
     def columns(self, name: str) -> dict[str, Any]:
+        targets = [*dict.fromkeys(filter(None, self.targets))]
         return {
             "platform": self.platform,
             "start_utc": self.start_utc,
             "stop_utc": self.stop_utc,
-            "targets": list(self.targets[:TARGETS_LISTED]),
-            "target_count": len(self.targets),
+            "targets": targets[:TARGETS_LISTED],
+            "target_count": len(targets),
             "probability_in_frame": self.probability_in_frame,
-            "words": _words((name, self.platform, *self.targets)),
-            "target_words": _words(self.targets),
+            "words": _words((name, self.platform, *targets)),
+            "target_words": _words(targets),
         }
 
 

@@ -1,38 +1,244 @@
-"""A child's work on images of the horizon, and predicted views of horizon cameras.
-
-Bytes in, bytes out: what comes from outside is decoded nowhere else.
-"""
+"""Images of the horizon and predicted views: the requests, the measurement, and the answers."""
 
 import base64
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import TYPE_CHECKING
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
+from pydantic import FailFast, Field
 
-from app.answers.horizon import PictureOut, PredictionResponse, estimate_out
-from app.answers.members import ProvenanceOut, to_json
-from app.requests.horizon import ATTITUDE_SIGMA_DEG, PictureRequest, PredictionRequest
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
+from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
+from estimator.check import AttitudeCheck, Verdict
 from estimator.errors import InvalidCamera
-from estimator.found import HorizonCheck, HorizonView
-from estimator.request import Body, HorizonRequest, Position
+from estimator.found import (
+    CameraReport,
+    CovarianceDeg2,
+    HorizonCheck,
+    HorizonView,
+    ReasonWord,
+)
+from estimator.rendering.scene import Scene
+from estimator.rendering.sensor import Sensor
+from estimator.request import Body, HorizonRequest, Position, require_cameras
 from estimator.surroundings import Surroundings
+from planner.base.answer_members import AngleSize, Member, Signed, answer
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.rotation import Rotation
-from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
+from planner.base.spec import Within, spec
+from planner.world.attitude import Attitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import (
+    DAY_S,
+    Instants,
+    Utc,
+    elapsed_s,
+    shifted_utc,
+    tai_us,
+    utc_text,
+)
 from planner.world.orbits import Orbit, OrbitStates
 from planner.world.plan import FlightPlan
 
 if TYPE_CHECKING:
     from estimator.images import Pixels
-    from estimator.pipeline import VerticalEstimate
+    from estimator.pipeline import Nadir, VerticalEstimate
 
+VIEWS_MAX = 2000
+SPAN_MAX_DAYS = 3.0
+ATTITUDE_SIGMA_DEG = 0.5
+PICTURE_PIXELS_MAX = 4_200_000
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
 SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
+
+
+@spec
+class PredictionRequest:
+    """A carrier, its attitude, its horizon cameras, and the instants one wants to look ahead to.
+
+    attitude_sigma_deg: 1-sigma error of the attitude about each axis.
+    cameras: the carrier's.
+    instants: times of each camera's views; UTC.
+    """
+
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    attitude_sigma_deg: Annotated[float, Within(0.0, 180.0)] = ATTITUDE_SIGMA_DEG
+    cameras: tuple[HorizonCamera, ...]
+    body: Body = Body()
+    instants: Annotated[tuple[datetime, ...], Field(max_length=VIEWS_MAX), FailFast()]
+
+    def __post_init__(self) -> None:
+        require_cameras("cameras", self.cameras)
+        if not 1 <= len(self.instants) * len(self.cameras) <= VIEWS_MAX:
+            raise ValueError(
+                f"instants times cameras must come to 1 to {VIEWS_MAX}, not "
+                f"{len(self.instants)} x {len(self.cameras)}"
+            )
+        first, last = min(self.instants), max(self.instants)
+        if elapsed_s(last, first) > SPAN_MAX_DAYS * DAY_S:
+            raise ValueError(
+                f"instants must lie within {SPAN_MAX_DAYS:.0f} days, not from "
+                f"{utc_text(first)} to {utc_text(last)}"
+            )
+
+
+@spec
+class PictureRequest:
+    """One camera's picture of the horizon, to be rendered.
+
+    at: time of the exposure; UTC.
+    seed: of clouds and noise; the same gives the same picture.
+    """
+
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    camera: HorizonCamera
+    at: datetime
+    scene: Scene = Scene()
+    sensor: Sensor = Sensor()
+    seed: Annotated[int, Within(0, 2**32 - 1)] = 0
+
+    def __post_init__(self) -> None:
+        pixels = self.camera.width_px * self.camera.height_px
+        if pixels > PICTURE_PIXELS_MAX:
+            raise ValueError(
+                f"camera: pictures up to {PICTURE_PIXELS_MAX} pixels are rendered, not {pixels}"
+            )
+
+
+ESTIMATE_READER = JsonReader(HorizonRequest)
+PREDICTION_READER = JsonReader(PredictionRequest)
+PICTURE_READER = JsonReader(PictureRequest)
+
+read_estimate_request = ESTIMATE_READER.read
+read_prediction_request = PREDICTION_READER.read
+read_picture_request = PICTURE_READER.read
+
+
+Direction = Annotated[Array, Member("", -1.0, 1.0, decimals=9)]
+Directions = Annotated[Array, Member("", -1.0, 1.0, decimals=9, axes=2)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorrectionOut:
+    """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
+    takes it where the attitude predicted is that of its law.
+
+    epoch: time of the measurement; UTC.
+    turn_body_deg: the rotation vector from the predicted body to the measured one, body axes.
+    covariance_deg2: of its components; 180 deg about nadir, which was not measured.
+    """
+
+    epoch: str
+    turn_body_deg: list[Signed]
+    covariance_deg2: list[list[Signed]]
+
+
+@answer
+class EstimateResponse:
+    """The local vertical in body axes.
+
+    verdict: result of the check of the attitude by the images.
+    reason: the reason why nothing could be measured, as a word; null when it was. E.g.
+    `"no_horizon"`.
+    explanation: the reason in full; null when it was measured. E.g.
+    `"too little of the limb was found"`.
+    nadir_body: geocentric, a unit vector; null when the verdict is `not_observable`.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
+    `not_observable`.
+    axes_body: two unit vectors across geocentric nadir, along which its errors are given.
+    covariance_rad2: of geocentric nadir on `axes_body`.
+    sigma_rad: rms of geocentric nadir's angle to the true one.
+    geodetic_axes_body: two unit vectors across geodetic nadir, along which its errors are given.
+    geodetic_covariance_rad2: of geodetic nadir on `geodetic_axes_body`.
+    geodetic_sigma_rad: rms of geodetic nadir's angle to the true one.
+    limb_height_m: height of the limb above the ellipsoid that was reckoned with.
+    limb_height_sigma_m: its 1-sigma.
+    check: the measured nadir against the predicted one; null without a prediction.
+    correction: the same as `attitude.corrections` of a plan takes it; null without a prediction.
+    cameras: each one's part, in the request's order.
+    warnings: cautions to read before relying on it. E.g.
+    `["cameras left out: right"]`.
+    """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
+
+    verdict: Verdict
+    reason: ReasonWord | None
+    explanation: str | None
+    nadir_body: Direction | None
+    nadir_geodetic_body: Direction | None
+    axes_body: Directions | None
+    covariance_rad2: CovarianceDeg2 | None
+    sigma_rad: AngleSize | None
+    geodetic_axes_body: Directions | None
+    geodetic_covariance_rad2: CovarianceDeg2 | None
+    geodetic_sigma_rad: AngleSize | None
+    limb_height_m: Annotated[float, Member("km", decimals=3)] | None
+    limb_height_sigma_m: Annotated[float, Member("km", 0.0, decimals=3)] | None
+    check: AttitudeCheck | None
+    correction: CorrectionOut | None
+    cameras: tuple[CameraReport, ...]
+    warnings: tuple[str, ...]
+    provenance: ProvenanceOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class PredictionResponse:
+    """One view per instant and camera.
+
+    views: instants in the order asked for, cameras within each.
+    warnings: cautions to read before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
+    """
+
+    views: list[HorizonView]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+@answer
+class PictureOut:
+    """A rendered picture and its truth.
+
+    image_png: the picture, a PNG in base64.
+    at_utc: time of the exposure; UTC.
+    position_itrf_m: of the camera, as an estimate's request takes it.
+    q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
+    nadir_body: geocentric, a unit vector.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector.
+    """
+
+    image_png: str
+    at_utc: Utc
+    position_itrf_m: Annotated[Array, Member("km", decimals=9)]
+    q_body_from_eci_xyzw: Annotated[Array, Member("", -1.0, 1.0, decimals=12)]
+    nadir_body: Direction
+    nadir_geodetic_body: Direction
+
+
+def _correction(check: AttitudeCheck, epoch_utc: datetime) -> CorrectionOut:
+    covariance_deg2 = check.turn_covariance_rad2 * math.degrees(1.0) ** 2
+    return CorrectionOut(
+        epoch=utc_text(epoch_utc),
+        turn_body_deg=(np.round(np.degrees(check.turn_body_rad), 9) + 0.0).tolist(),
+        covariance_deg2=(np.round(covariance_deg2, 12) + 0.0).tolist(),
+    )
+
+
+def _on_its_axes(nadir: "Nadir | None", kind: str = "") -> dict[str, Any]:
+    """The members that tell how sure a nadir of one kind is, null without it."""
+    names = ("axes_body", "covariance_rad2", "sigma_rad")
+    return {f"{kind}{name}": getattr(nadir, name, None) for name in names}
 
 
 def attitudes_at(
@@ -175,8 +381,31 @@ def measure(
 def estimate_json(
     request: HorizonRequest, images: Sequence[bytes], provenance: ProvenanceOut
 ) -> bytes:
+    """Raises InvalidImage, InvalidCamera."""
     estimate, overlays = measure(request, images, draw=request.overlay)
-    return to_json(estimate_out(estimate, request.epoch, overlays, provenance))
+    geocentric, geodetic, check = estimate.geocentric, estimate.geodetic, estimate.check
+    pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
+    return to_json(
+        EstimateResponse(
+            verdict=estimate.verdict,
+            reason=estimate.reason,
+            explanation=estimate.reason and estimate.reason.value,
+            nadir_body=geocentric.nadir_body if geocentric else None,
+            nadir_geodetic_body=geodetic.nadir_body if geodetic else None,
+            **_on_its_axes(geocentric),
+            **_on_its_axes(geodetic, "geodetic_"),
+            limb_height_m=estimate.limb_height_m,
+            limb_height_sigma_m=estimate.limb_height_sigma_m,
+            check=check,
+            correction=None if check is None else _correction(check, request.epoch),
+            cameras=tuple(
+                replace(report, overlay_png=overlay_png)
+                for report, overlay_png in zip_longest(estimate.cameras, pictures)
+            ),
+            warnings=estimate.warnings,
+            provenance=provenance,
+        )
+    )
 
 
 @_report_out_of_memory()

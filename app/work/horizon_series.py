@@ -7,13 +7,17 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
 
-from app.answers.horizon import FrameNadir, SeriesResponse
 from app.answers.members import ProvenanceOut, to_json
-from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.json_reader import JsonReader
-from app.work.horizon import attitudes_at, surroundings
+from app.work.horizon import (
+    ATTITUDE_SIGMA_DEG,
+    Direction,
+    attitudes_at,
+    surroundings,
+)
 from estimator.camera import HorizonCamera
-from estimator.found import SeriesReport
+from estimator.check import Verdict
+from estimator.found import ReasonWord, SeriesReport
 from estimator.images import Pixels
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.request import (
@@ -24,11 +28,12 @@ from estimator.request import (
     require_cameras,
 )
 from estimator.series import summarise_series
+from planner.base.answer_members import Angle, AngleSize, answer
 from planner.base.errors import InvalidInput
 from planner.base.spec import Within, spec
 from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import Utc, shifted_utc
 from planner.world.orbits import Orbit
 
 FRAMES_MAX = 10_000
@@ -86,6 +91,27 @@ class HorizonFrames:
     def __post_init__(self) -> None:
         if not 1 <= len(self.frames) <= FRAMES_MAX:
             raise ValueError(f"frames must hold 1 to {FRAMES_MAX} of them, not {len(self.frames)}")
+
+
+@answer
+class FrameNadir:
+    """One frame; along and across as in an estimate's `check`, null where it has none."""
+
+    at_utc: Utc
+    verdict: Verdict
+    reason: ReasonWord | None
+    nadir_body: Direction | None
+    sigma_rad: AngleSize | None
+    along_rad: Angle | None
+    across_rad: Angle | None
+
+
+@answer
+class SeriesResponse(SeriesReport):
+    """The nadir over a session."""
+
+    frames: tuple[FrameNadir, ...]
+    provenance: ProvenanceOut
 
 
 _SESSION = JsonReader(HorizonSession)

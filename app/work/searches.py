@@ -1,24 +1,91 @@
-"""Searches for windows: found once by one carrier with all its targets, and told of by page."""
+"""Searches for windows: the request, the windows found once, and their telling by page."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
 
-from app.answers.members import ProvenanceOut, to_json
-from app.answers.opportunities import OpportunitiesHead
-from app.requests.opportunities import OPPORTUNITY_READER
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
+from app.requests.json_reader import JsonReader
+from app.store.job import Listing
 from app.store.packed import PackedColumns, pack, unpack
+from planner.base.answer_members import Count
+from planner.base.assumed import Assumed
 from planner.base.csv_cells import csv_lines
 from planner.output.windows.forms import PASS_COLUMNS, features_json, pass_table_csv
+from planner.output.windows.members import WindowOut, not_included
 from planner.output.windows.rows import Column, rows_json, scan_column, window_columns
 from planner.planning.opportunities import OpportunityRequest, WindowEdges
+from planner.planning.opportunities.closing import Unseen
 from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
+    from planner.planning.campaigns import CampaignRequest, FleetRequest
     from planner.planning.opportunities import WindowSearch
+
+OPPORTUNITY_READER = JsonReader(OpportunityRequest)
+
+read_opportunity_request = OPPORTUNITY_READER.read
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpportunitiesHead:
+    """What is known of a search beside its windows.
+
+    name: as the request gives it. E.g. `"cities in daylight"`.
+    start: of the time searched; UTC.
+    stop: of the time searched; UTC.
+    count: of all windows found. E.g. `8590`.
+    unseen: ids of targets without any window. E.g. `["Reykjavik"]`.
+    assumed: places of the targets that the request gives by name only.
+    warnings: cautions to read before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
+    """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
+
+    name: str
+    start: str
+    stop: str
+    count: Count
+    unseen: list[str]
+    assumed: list[Assumed]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpportunitiesResponse(OpportunitiesHead):
+    """Windows in the order of the request's targets, each target's in order of time.
+
+    id: of what was found, as its address names it.
+    reasons: the causes that leave targets unseen; with `reasons`.
+    windows: the first of them.
+    next: `cursor` of those that come after; null at the end. E.g. `100`.
+    """
+
+    id: str
+    reasons: list[Unseen] = field(default_factory=not_included)
+    windows: list[WindowOut]
+    next: Count | None
+
+
+class FeatureCollection(BaseModel):
+    """GeoJSON: a Feature a window, a point or the request's own geometry, null in space.
+
+    features: `properties` hold `target`, `datetime` (rise and set with a slash between, as STAC
+    and STAPI have it), rise, set, session, the view at the closest approach, azimuths, local solar
+    time and the Sun.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    type: str = Field(json_schema_extra={"const": "FeatureCollection"})
+    features: list[dict[str, Any]]
+
 
 JSON, GEOJSON, CSV = "application/json", "application/geo+json", "text/csv"
 VIEW, PROBABILITY, REASONS = INCLUDED = ("view", "probability", "reasons")
@@ -57,6 +124,15 @@ class Page(NamedTuple):
     windows: bytes
     next: int | None
     reasons: bytes | None
+
+
+def listing_of_search(request: "CampaignRequest | FleetRequest | OpportunityRequest") -> Listing:
+    return Listing(
+        platform=request.platform_names,
+        start_utc=request.start,
+        stop_utc=request.stop,
+        targets=tuple(one.id for one in request.targets),
+    )
 
 
 def find_windows(

@@ -1,25 +1,147 @@
-"""A child's work for an imaging session, and the reading of its stored table."""
+"""Imaging sessions of the spacecraft: the request, the plan, its stored table, the answers."""
 
 import json
 import zlib
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any, Literal
 
-from app.answers.members import ProvenanceOut, provenance
-from app.answers.plan import plan_document
-from app.answers.spacecraft import (
-    attitude_table_json,
-    spacecraft_document,
-    spacecraft_dry_run_json,
-)
-from app.requests.listings import listing_of_imaging
+import numpy as np
+
+from app.answers.members import PlanHead, ProvenanceOut, provenance, to_json
+from app.requests.json_reader import JsonReader
 from app.requests.plan import write_plan_request
-from app.requests.spacecraft import read_spacecraft_request
+from app.store.job import Listing
 from app.store.packed import pack, unpack
-from app.work.plan import packed_plan, stored_table
+from app.work.plan import packed_plan, plan_document, stored_table
 from app.work.progress import report
 from app.work.result import Result
+from planner.base.answer_members import Count, DirectionPart, NotNegative, Signed
+from planner.base.arrays import Array
+from planner.base.commands import BODY_CHANNELS, COMMAND_STEP_S
+from planner.base.errors import InvalidMessage
+from planner.base.rotation import Rotation, continuous
+from planner.spacecraft.found import SessionFound
 from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.vehicle import SPACECRAFT
+from planner.world.frames.time_scales import utc_text
+
+if TYPE_CHECKING:
+    pass
+
+
+def _with_plain_requests(document: object) -> object:
+    """A FeatureCollection's features as requests, in their order, for the schema to check."""
+    if not isinstance(document, dict) or not isinstance(document.get("requests"), dict):
+        return document
+    features = document["requests"].get("features")
+    if not isinstance(features, list) or not features:
+        raise InvalidMessage("a FeatureCollection with at least one feature is needed")
+    requests = []
+    for number, feature in enumerate(features):
+        match feature:
+            case {"properties": dict(properties), "geometry": dict(geometry)}:
+                requests.append({**properties, "geometry": geometry})
+            case _:
+                raise InvalidMessage(
+                    f"features.{number} needs `properties` with mode and name, and a `geometry`",
+                    field=f"features.{number}",
+                )
+    return document | {"requests": requests}
+
+
+def _add_features(schema: dict[str, Any]) -> None:
+    schema["properties"]["spacecraft"]["enum"] = list(SPACECRAFT)
+    features = {
+        "type": "object",
+        "description": "GeoJSON FeatureCollection: each Feature's properties are a request's "
+        "other fields (mode, name, priority, ...)",
+        "required": ["features"],
+    }
+    schema["properties"]["requests"] = {"anyOf": [schema["properties"]["requests"], features]}
+
+
+# `requests` may be a GeoJSON FeatureCollection; InvalidMessage for what is no GeoJSON.
+SPACECRAFT_READER = JsonReader(ImagingPlanRequest, _with_plain_requests, _add_features)
+
+read_spacecraft_request = SPACECRAFT_READER.read
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttitudeTableOut:
+    """One row per 0.2 s; vectors as [x, y, z] in body axes, gimbals 1 to 4.
+
+    Between rows the attitude is the quintic Hermite in modified Rodrigues parameters, and gimbal
+    rates are held.
+
+    epoch: of row 0; UTC.
+    step_s: from row to row.
+    t_s: of each row, since the epoch.
+    q_body_from_eci_xyzw: attitude, scalar last, `Rotation.from_quat(q).apply(v_eci)` gives
+    `v_body`.
+    omega_body_deg_s: body relative to ECI, in body axes.
+    alpha_body_deg_s2: its derivative, in body axes.
+    gimbal_deg: angles of the four gyros' gimbals.
+    gimbal_rate_deg_s: rates of the four gyros' gimbals.
+    """
+
+    epoch: str
+    step_s: NotNegative
+    t_s: list[NotNegative]
+    q_body_from_eci_xyzw: list[list[DirectionPart]]
+    omega_body_deg_s: list[list[Signed]]
+    alpha_body_deg_s2: list[list[Signed]]
+    gimbal_deg: list[list[Signed]]
+    gimbal_rate_deg_s: list[list[Signed]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftPlanDocument(SessionFound):
+    """What is known of a session beside its table."""
+
+    provenance: ProvenanceOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftPlanResponse(PlanHead, SpacecraftPlanDocument):
+    """A session of the imaging spacecraft and the judge's verdict on it."""
+
+    table: AttitudeTableOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftDryRunResponse:
+    """The request was planned, and nothing is kept of it.
+
+    A session in which no request fits is refused as the plan itself would be.
+
+    valid: always true; what isn't is refused.
+    flies: always true: a session's table passed its verification.
+    name: as the request gives it.
+    spacecraft: the spacecraft's name.
+    requests: number of requests.
+    left_out: names of those that don't fit. E.g. `["Corridor"]`.
+    warnings: cautions to read before flying it. E.g.
+    `["the elements' epoch 2024-05-28T11:40:53Z is 3.9 days from the session"]`.
+    """
+
+    valid: Literal[True]
+    flies: Literal[True]
+    name: str
+    spacecraft: str
+    requests: Count
+    left_out: list[str]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+def listing_of_imaging(request: ImagingPlanRequest) -> Listing:
+    return Listing(
+        platform=request.spacecraft,
+        start_utc=request.start,
+        stop_utc=request.stop,
+        targets=tuple(one.name for one in request.requests),
+    )
 
 
 def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> Result:
@@ -34,8 +156,9 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
     whole = plan.whole
     asked = write_plan_request(whole.scenario, {"orbit": json.loads(body)["orbit"]}, ()).decode()
     packed = packed_plan(whole)
-    documents = (plan_document(whole, (), origin), spacecraft_document(plan, origin))
-    document, session_document = map(zlib.compress, documents)
+    told = {one.name: getattr(plan, one.name) for one in fields(SessionFound)}
+    session = to_json(SpacecraftPlanDocument(**told, provenance=origin))
+    document, session_document = map(zlib.compress, (plan_document(whole, (), origin), session))
     table_columns = pack(replace(packed, facts={**packed.facts, "request": asked}))
     return Result(
         content=(document, table_columns, session_document),
@@ -48,9 +171,35 @@ def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes
     """The answer to a dry run: planned, judged and flown, nothing kept; raises a Refusal."""
     from planner.spacecraft.plan import plan_imaging
 
-    return spacecraft_dry_run_json(plan_imaging(request), provenance)
+    plan = plan_imaging(request)
+    return to_json(
+        SpacecraftDryRunResponse(
+            valid=True,
+            flies=True,
+            name=plan.name,
+            spacecraft=plan.spacecraft,
+            requests=len(request.requests),
+            left_out=[one.name for one in plan.left_out],
+            warnings=list(plan.warnings),
+            provenance=provenance,
+        )
+    )
 
 
 def stored_session_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
-    return attitude_table_json(stored_table(unpack(table_columns)))
+    table = stored_table(unpack(table_columns))
+    q_body_from_eci_xyzw = continuous(Rotation.from_quat(table.position).inv())
+    vectors: dict[str, list[Array]] = {}
+    for one, value in table.columns:
+        if one.of != "position":
+            vectors.setdefault(one.name.rpartition("_")[0], []).append(value)
+    return to_json(
+        AttitudeTableOut(
+            epoch=utc_text(table.epoch_utc, 1),
+            step_s=COMMAND_STEP_S,
+            t_s=table.t_s.tolist(),
+            q_body_from_eci_xyzw=BODY_CHANNELS[0].told(q_body_from_eci_xyzw).tolist(),
+            **{name: np.stack(parts, axis=1).tolist() for name, parts in vectors.items()},
+        )
+    )

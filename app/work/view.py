@@ -1,20 +1,94 @@
-"""A child's work for the view of a stored plan, and for the ground track of an orbit."""
+"""Views of stored plans, as columns over time or drawn, and ground tracks of orbits."""
 
+import json
 from dataclasses import dataclass
 from datetime import datetime
 
-from app.answers.members import ProvenanceOut, to_json
-from app.answers.view import OrbitTrackResponse, view_json
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, from_store, to_json
+from app.requests.json_reader import JsonReader
 from app.store.packed import unpack
 from app.work.plan import require_verified_table, stored_plan
+from planner.base.answer_members import answer
 from planner.output.export import EXPORTERS, Exporter
 from planner.output.view import VIEW_EXPORTERS
-from planner.output.view.orbit import OrbitTrackRequest, track_orbit
+from planner.output.view.columns import PlanView, TargetTrack
+from planner.output.view.orbit import OrbitTrack, OrbitTrackRequest, track_orbit
+from planner.output.windows.members import WindowOut
+from planner.output.windows.rows import rows_json, window_columns
+from planner.planning.opportunities import Opportunities
 from planner.world.plan import FlightPlan
 
 DRAWN: dict[str, Exporter[FlightPlan]] = {
     name: exporter for name, exporter in EXPORTERS.items() if exporter.shows
 }
+ORBIT_TRACK_READER = JsonReader(OrbitTrackRequest)
+
+
+@answer
+class OrbitTrackResponse(OrbitTrack):
+    """The carrier over some days, and the Sun."""
+
+    provenance: ProvenanceOut
+
+
+@answer
+class ViewedTarget(TargetTrack):
+    """One session's target over the whole table; null where a number has no meaning.
+
+    A target with a timetable of its own appears in its session only, a test motion not at all.
+
+    windows: spans in which it can be seen, from half an hour before the session to half an hour
+    after.
+    """
+
+    windows: list[WindowOut]
+
+
+@answer
+class PlanViewHead:
+    """The plan that a view is of.
+
+    id: of the plan, as its address names it.
+    name: of the plan.
+    platform: its name.
+    verified: true when the plan's verification passed.
+    """
+
+    id: str
+    name: str
+    platform: str
+    verified: bool
+
+
+@answer
+class PlanViewResponse(PlanView, PlanViewHead):
+    """The view of a plan as columns, with a value for each row shown."""
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
+
+    targets: tuple[ViewedTarget, ...]
+
+
+def view_json(view: PlanView, plan_id: str, *, verified: bool) -> bytes:
+    scenario = view.plan.scenario
+    targets = tuple(
+        ViewedTarget(**vars(track), windows=[] if windows is None else _windows_out(windows))
+        for track, windows in zip(view.targets, view.windows, strict=True)
+    )
+    return to_json(
+        PlanViewResponse(
+            id=plan_id,
+            name=scenario.name,
+            platform=scenario.platform.name,
+            verified=verified,
+            **vars(view) | {"targets": targets},
+        )
+    )
+
+
+def _windows_out(found: Opportunities) -> list[WindowOut]:
+    columns = window_columns(found.start_utc, found.ids, found, found.windows)
+    return [from_store(WindowOut, json.loads(text)) for text in rows_json(columns)]
 
 
 @dataclass(frozen=True, kw_only=True)

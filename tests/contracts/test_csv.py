@@ -13,9 +13,8 @@ from test_export_formats import CREATED_UTC, plan_of
 
 from app.cli.windows import windows_csv
 from app.requests.examples import OPPORTUNITY_EXAMPLES
-from app.requests.opportunities import read_opportunity_request
 from app.work.campaign import looks_csv
-from app.work.searches import CSV, opened
+from app.work.searches import CSV, opened, read_opportunity_request
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
 from planner.inflight.telemetry.following import PlannedMotion

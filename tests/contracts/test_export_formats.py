@@ -14,7 +14,7 @@ import pytest
 from export_cases import CREATED_UTC, EPOCH_UTC, ISS, LAS_VEGAS, state_vector
 from scipy.io import netcdf_file
 
-from app.answers.view import view_json
+from app.work.view import view_json
 from planner.base.commands import CommandTable, axis_channels
 from planner.base.errors import OutsideCoverage
 from planner.output.export import EXPORTERS

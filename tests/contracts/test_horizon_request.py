@@ -6,8 +6,8 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from app.requests.examples import ESTIMATE_EXAMPLE, LAS_VEGAS, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.requests.horizon import read_picture_request, read_prediction_request
 from app.requests.plan import read_plan_request
+from app.work.horizon import read_picture_request, read_prediction_request
 from estimator.request import HorizonRequest
 from planner.base.errors import InvalidRequest
 

@@ -11,7 +11,7 @@ import pytest
 
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
-from app.requests.opportunities import read_opportunity_request
+from app.work.searches import read_opportunity_request
 from planner.planning.opportunities import WindowSearch, unseen
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]

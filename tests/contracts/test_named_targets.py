@@ -12,7 +12,7 @@ from planner_values import find_opportunities, plan_of, read_request
 
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.requests.json_reader import ERRORS_SHOWN, JsonReader
-from app.requests.opportunities import read_opportunity_request
+from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidRequest
 from planner.world.targets import GroundTarget, PlaceTarget, StarTarget, gazetteer
 from planner.world.targets.gazetteer import find_place

@@ -30,8 +30,9 @@ from app.requests.examples import (
     SESSION_EXAMPLE,
     SPACECRAFT_EXAMPLES,
 )
-from app.requests.flights import FLIGHTS_READER, read_flights_request
-from app.requests.horizon import (
+from app.requests.plan import PLAN_READER, read_plan_request
+from app.work.flights import FLIGHTS_READER, read_flights_request
+from app.work.horizon import (
     ESTIMATE_READER,
     PICTURE_READER,
     PREDICTION_READER,
@@ -39,13 +40,12 @@ from app.requests.horizon import (
     read_picture_request,
     read_prediction_request,
 )
-from app.requests.opportunities import OPPORTUNITY_READER, read_opportunity_request
-from app.requests.plan import PLAN_READER, read_plan_request
-from app.requests.spacecraft import (
+from app.work.horizon_series import _SESSION
+from app.work.searches import OPPORTUNITY_READER, read_opportunity_request
+from app.work.spacecraft import (
     SPACECRAFT_READER,
     read_spacecraft_request,
 )
-from app.work.horizon_series import _SESSION
 from planner.base.errors import InvalidInput, InvalidRequest
 
 Document = dict[str, Any]

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.requests.opportunities import read_opportunity_request
+from app.work.searches import read_opportunity_request
 from planner.planning.opportunities import find_opportunities
 from planner.world.frames.time_scales import Instants
 

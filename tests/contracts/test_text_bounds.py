@@ -18,10 +18,10 @@ from app.requests.examples import (
     SPACECRAFT_EXAMPLES,
     message,
 )
-from app.requests.horizon import read_prediction_request
-from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
-from app.requests.spacecraft import read_spacecraft_request
+from app.work.horizon import read_prediction_request
+from app.work.searches import read_opportunity_request
+from app.work.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidInput, Refusal
 
 OEM = message("orbit.oem")

@@ -16,11 +16,11 @@ from app.ids import new_id
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import FLEET_READER, read_campaign_request
-from app.requests.listings import listing_of_search
 from app.requests.plan import read_plan_request
 from app.store import jobs, results
 from app.store.jobs import NewJob
 from app.work.campaign import choose
+from app.work.searches import listing_of_search
 from planner.base.errors import InvalidRequest
 from planner.planning.campaigns import choose_campaign
 

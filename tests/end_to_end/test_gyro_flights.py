@@ -10,12 +10,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from app.answers.flights import flights_found
 from app.answers.members import from_store, to_json, to_members
 from app.requests.plan import read_plan_request
 from app.work.flights import (
     FlightsHead,
     PlanToFly,
+    flights_found,
     flights_head,
     packed_outcomes,
     unpacked_outcomes,

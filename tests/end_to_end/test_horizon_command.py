@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 
 from app.cli import main
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, SESSION_EXAMPLE
-from app.requests.horizon import read_picture_request
-from app.work.horizon import picture
+from app.work.horizon import picture, read_picture_request
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ESTIMATE = EXAMPLES / "horizon_estimate.json"

@@ -16,8 +16,8 @@ from refusal_kinds import refusal_kinds
 from waiting import PATIENCE_S, PatientClient
 
 from app.http.app import create_app
-from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
+from app.work.searches import read_opportunity_request
 from planner.base.errors import Refusal
 from planner.output.export import EXPORTERS
 from planner.planning.opportunities import OpportunityConditions, find_opportunities

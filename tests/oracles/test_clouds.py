@@ -11,8 +11,8 @@ import xarray
 
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import LAS_VEGAS
-from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
+from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidRequest
 from planner.planning.campaigns import choose_campaign
 from planner.planning.opportunities import find_opportunities

@@ -11,8 +11,8 @@ from skyfield.api import wgs84
 from skyfield.framelib import itrs
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
+from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidRequest, NotVisible
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
 from planner.planning.sessions.pipeline import make_plan

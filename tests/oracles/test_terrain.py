@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from app.cli.changes import with_settings
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import PLAN_EXAMPLES, message
-from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
 from app.store.packed import pack, unpack
 from app.work.campaign import choose
 from app.work.plan import packed_plan, stored_plan
+from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidMessage, InvalidRequest, VerificationFailed
 from planner.planning.opportunities import find_opportunities
 from planner.planning.sessions.pipeline import make_plan

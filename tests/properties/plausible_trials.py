@@ -13,9 +13,9 @@ from typing import Any
 from plan_oracle import faults
 
 from app.answers.members import PlanHead, provenance, whole_answer
-from app.answers.plan import plan_document, table_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
+from app.work.plan import plan_document, table_json
 from planner.base import effort
 from planner.base.effort import at_most
 from planner.base.errors import Refusal

@@ -13,7 +13,7 @@ from random_resources import IDLES, PLATFORM, asked, utc
 
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import LAS_VEGAS
-from app.requests.opportunities import read_opportunity_request
+from app.work.searches import read_opportunity_request
 from planner.base.errors import CadenceBroken, InvalidRequest
 from planner.planning.campaigns.campaign import choose_campaign
 from planner.planning.opportunities import find_opportunities

@@ -8,7 +8,6 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from app.answers.opportunities import FeatureCollection
 from app.answers.problem import Problem
 from app.http.admission.access import PROBES, scope_needed
 from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART
@@ -16,6 +15,7 @@ from app.http.openapi.fields import Schema, describe, show_examples
 from app.http.problems import PROBLEM_JSON
 from app.requests.examples import Examples
 from app.requests.json_reader import JsonReader
+from app.work.searches import FeatureCollection
 
 _DATA = Path(__file__).parent / "data"
 DESCRIPTION = (_DATA / "description.md").read_text().rstrip()

@@ -23,7 +23,6 @@ from app.jobs.kinds import CAMPAIGN, ORDER
 from app.jobs.refusals import Conflict
 from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import CAMPAIGN_EXAMPLES
-from app.requests.listings import listing_of_search
 from app.store import jobs, plans, results
 from app.store.job import Job
 from app.store.packed import unzip
@@ -35,6 +34,7 @@ from app.work.campaign import (
     require_both,
     revised,
 )
+from app.work.searches import listing_of_search
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,

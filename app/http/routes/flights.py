@@ -8,7 +8,6 @@ import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
 from sqlalchemy import Connection
 
-from app.answers.flights import FlightsResponse, flights_json
 from app.answers.job import list_class
 from app.http.blocking import database_of, read
 from app.http.negotiation import ONLY_JSON, json_body
@@ -20,11 +19,16 @@ from app.http.waiting import WAIT_S
 from app.jobs.kinds import FLIGHTS
 from app.jobs.refusals import Conflict
 from app.requests.examples import FLIGHTS_EXAMPLES
-from app.requests.flights import FLIGHTS_READER
 from app.store import plans, results
 from app.store.job import Job, Listing
 from app.store.jobs import NEEDS_ALL
-from app.work.flights import PlanToFly, unpacked_outcomes
+from app.work.flights import (
+    FLIGHTS_READER,
+    FlightsResponse,
+    PlanToFly,
+    flights_json,
+    unpacked_outcomes,
+)
 
 RESOURCE = JobResource(
     kind=FLIGHTS.name,

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
 from app.http.negotiation import (
@@ -26,8 +25,18 @@ from app.http.openapi.schema import form_body_of, json_body_of, schema_of
 from app.jobs.child import Bounds
 from app.jobs.worker_process import ChildDied
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.requests.horizon import ESTIMATE_READER, PICTURE_READER, PREDICTION_READER
-from app.work.horizon import estimate_json, picture, picture_json, prediction_json
+from app.work.horizon import (
+    ESTIMATE_READER,
+    PICTURE_READER,
+    PREDICTION_READER,
+    EstimateResponse,
+    PictureOut,
+    PredictionResponse,
+    estimate_json,
+    picture,
+    picture_json,
+    prediction_json,
+)
 from estimator.errors import InvalidImage
 from estimator.request import MAX_CAMERAS
 

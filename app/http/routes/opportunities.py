@@ -4,17 +4,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.answers.opportunities import OpportunitiesResponse
-from app.answers.view import OrbitTrackResponse
 from app.http.blocking import answer_in_child
 from app.http.negotiation import ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.routes.search_routes import SEARCH_BOUNDS, SearchResource
 from app.requests.examples import OPPORTUNITY_EXAMPLES, ORBIT_TRACK_EXAMPLES
-from app.requests.listings import listing_of_search
-from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
-from app.work.searches import INCLUDED
-from app.work.view import orbit_track_json
+from app.work.searches import INCLUDED, OPPORTUNITY_READER, OpportunitiesResponse, listing_of_search
+from app.work.view import ORBIT_TRACK_READER, OrbitTrackResponse, orbit_track_json
 
 OPPORTUNITIES = SearchResource(
     kind="opportunities",

@@ -13,8 +13,6 @@ from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json, list_class
 from app.answers.members import PlanHead, ProvenanceOut, whole_answer
-from app.answers.plan import TableAlone
-from app.answers.view import PlanViewResponse
 from app.http.blocking import EXPORT_BOUNDS, answer_in_child, database_of, in_child, read
 from app.http.negotiation import (
     JSON,
@@ -43,8 +41,8 @@ from app.store import jobs, plans
 from app.store.database import Database
 from app.store.job import Job
 from app.store.plans import StoredPlan
-from app.work.plan import stored_table_file
-from app.work.view import DRAWN, AskedView, stored_plan_view
+from app.work.plan import TableAlone, stored_table_file
+from app.work.view import DRAWN, AskedView, PlanViewResponse, stored_plan_view
 from planner.base.errors import Refusal
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS

@@ -1,17 +1,26 @@
 """Plans over HTTP: of either kind of platform, and imaging sessions of the spacecraft."""
 
-from app.answers.plan import DryRunResponse, PlanResponse
-from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
 from app.http.routes.end_of_plan import from_end_of_plan, may_go_on_after
 from app.http.routes.parameters import PlanListQuery
 from app.http.routes.plan_routes import PlanResource
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
-from app.requests.listings import listing_of_imaging, listing_of_scenario
 from app.requests.plan import PLAN_READER
-from app.requests.spacecraft import SPACECRAFT_READER
-from app.work.plan import stored_table_json, try_plan
-from app.work.spacecraft import stored_session_json, try_session
+from app.work.plan import (
+    DryRunResponse,
+    PlanResponse,
+    listing_of_scenario,
+    stored_table_json,
+    try_plan,
+)
+from app.work.spacecraft import (
+    SPACECRAFT_READER,
+    SpacecraftDryRunResponse,
+    SpacecraftPlanResponse,
+    listing_of_imaging,
+    stored_session_json,
+    try_session,
+)
 
 PLANS = PlanResource(
     kind=PLAN.name,

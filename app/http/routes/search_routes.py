@@ -17,7 +17,6 @@ from sqlalchemy import Connection
 
 from app.answers.job import list_class
 from app.answers.members import provenance
-from app.answers.opportunities import FeatureCollection
 from app.http.blocking import database_of, in_child, read, where_solved
 from app.http.negotiation import ONLY_JSON, json_body, preferred_type, revalidated, saved_as
 from app.http.openapi.schema import REF, json_body_of
@@ -33,6 +32,7 @@ from app.work.searches import (
     JSON,
     PROBABILITY,
     VIEW,
+    FeatureCollection,
     FoundSearch,
     Page,
     WindowsAsked,

@@ -44,7 +44,6 @@ from app.http.routes.parameters import LIST_MAX, IdempotencyKey, Parameters, Pat
 from app.ids import is_id
 from app.jobs.kinds import ORDER
 from app.requests.campaign import CAMPAIGN_READER
-from app.requests.listings import listing_of_search
 from app.requests.stapi import (
     ORDER_READER,
     PARAMETERS_READER,
@@ -59,7 +58,7 @@ from app.requests.stapi import (
 from app.store import jobs, results
 from app.store.job import Job
 from app.store.packed import unzip
-from app.work.searches import PROBABILITY, VIEW, WindowsAsked
+from app.work.searches import PROBABILITY, VIEW, WindowsAsked, listing_of_search
 from planner.base.errors import InvalidInput
 
 ORDERS = JobResource(

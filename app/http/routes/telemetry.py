@@ -8,7 +8,6 @@ import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
 from app.answers.members import provenance
-from app.answers.telemetry import ComparisonResponse
 from app.http.blocking import in_child, read
 from app.http.negotiation import (
     JSON,
@@ -28,10 +27,16 @@ from app.jobs.child import Bounds
 from app.jobs.kinds import PLANS
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
-from app.requests.telemetry import COMPARISON_READER
 from app.store import plans
 from app.store.plans import StoredPlan
-from app.work.telemetry import FILES, SentTelemetry, compare_stored, read_sent
+from app.work.telemetry import (
+    COMPARISON_READER,
+    FILES,
+    ComparisonResponse,
+    SentTelemetry,
+    compare_stored,
+    read_sent,
+)
 from planner.base.errors import InvalidInput
 
 router = APIRouter(tags=["telemetry"])
