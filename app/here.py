@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 from urllib.parse import unquote
 
-from app.answers.members import PlanHead, from_store, provenance, to_json, whole_answer
+from app.answers.members import PlanHead, provenance, to_json, whole_answer
 from app.answers.problem import problem_of
 from app.ids import new_id
 from app.requests.plan import read_plan_request
@@ -331,7 +331,6 @@ def told_pass(
 
 def _flights(desk: Desk, work: LocalAsk) -> Kept:
     from app.work.flights import (
-        FlightsHead,
         PlanToFly,
         flights_found,
         prepare_flights,
@@ -343,8 +342,8 @@ def _flights(desk: Desk, work: LocalAsk) -> Kept:
         plan_id=work.id, asked=work.body, request=made.request, table_columns=made.table_columns
     )
     new = prepare_flights(what.to_bytes())
-    head = from_store(FlightsHead, json.loads(unzip(new.document)))
-    outcomes = [unpacked_outcomes(packed) for packed in desk.fly(new.parts, head.runs)]
+    head = json.loads(unzip(new.document))
+    outcomes = [unpacked_outcomes(packed) for packed in desk.fly(new.parts, head["runs"])]
     found = to_json(flights_found(head, outcomes))
     return Kept(
         lambda flights_id: b'{"id":"%s","state":"done","name":"",' % flights_id.encode() + found[1:]

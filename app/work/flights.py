@@ -2,14 +2,14 @@
 
 import json
 import zlib
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import ConfigDict, Field, SerializeAsAny, TypeAdapter
 
 from app.answers.job import JobResponse, job_members
-from app.answers.members import from_store, to_json, to_members
+from app.answers.members import to_json, to_members
 from app.requests.json_reader import JsonReader
 from app.store.job import Job
 from app.store.packed import PackedColumns, pack, unpack, unzip
@@ -19,47 +19,23 @@ from app.work.result import Part, Result
 from planner.base.answer_members import Count, Member, Share, answer
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
-from planner.base.spec import Within, spec
 from planner.inflight.flights.contributors import Contributor
 from planner.inflight.flights.outcomes import NominalSession, RunOutcomes
-from planner.inflight.flights.request import SEED_MAX, MovingObject
+from planner.inflight.flights.request import FlightsRequest
 from planner.inflight.flights.summary import Histogram, joined, summarise
 from planner.inflight.simulation.gyros.report import GyroSteadiness
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import FlightPlan
 
 if TYPE_CHECKING:
-    from planner.inflight.flights.outcomes import RunOutcomes
     from planner.inflight.flights.scene import SessionScene
     from planner.inflight.flights.summary import PlanFlights, SessionFlights
 
-
+T = TypeVar("T")
 FLOWN_MAX_S = 1e6  # of flight in all runs together: some ten minutes of a core
 _PART_S = 1e4  # of flight in one part: some five seconds
-
-
-@spec
-class FlightsRequest:
-    """A plan's table flown many times, with errors drawn anew for each run.
-
-    name: your name for it, shown in lists. E.g. `"Las Vegas, before uplink"`.
-    runs: number of runs; 400 give a probability to 0.05 with 95 % confidence, 1,000 to 0.03.
-    seed: of the errors; the same seed draws the same ones, run by run, however many runs there are.
-    moving_object: something that moves over the ground at the target, whose shift from frame to
-    frame is given.
-    """
-
-    name: str = ""
-    runs: Annotated[int, Within(2, 20_000)] = 400
-    seed: Annotated[int, Within(0, SEED_MAX)] = 0
-    moving_object: MovingObject | None = None
-
-
 FLIGHTS_READER = JsonReader(FlightsRequest)
-
 read_flights_request = FLIGHTS_READER.read
-
-
 _End = Annotated[float, Member(least=0.0, greatest=1.0, decimals=6)]  # of an interval
 _Quantiles = Annotated[Array, Member("", 0.0, decimals=6)]
 
@@ -143,68 +119,52 @@ class FlightsResponse(FlightsFound, JobResponse):
     """Flights of a plan as they stand."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class SessionHead:
-    """What is known of a session before any disturbed run.
-
-    nominal: a NominalSession, as told.  saturated_s: by axis, how long its drive gives all it has
-    when flown as planned.
-    """
-
-    session: int
-    label: str
-    budget_probability_in_frame: float
-    nominal: Any
-    saturated_s: dict[str, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FlightsHead:
-    """What is known of all runs before any."""
-
-    plan: str
-    runs: int
-    seed: int
-    epoch: str | None
-    sessions: list[SessionHead]
-
-
 def flights_found(
-    head: FlightsHead, parts: "Sequence[tuple[int, list[RunOutcomes]]]"
+    head: Mapping[str, Any], parts: "Sequence[tuple[int, list[RunOutcomes]]]"
 ) -> FlightsFound:
-    """parts: each from which run on, and its outcomes by session; in any order."""
+    """head: of no run, as it is told.  parts: each from which run on, and its outcomes by session;
+    in any order."""
     by_part = [sessions for _, sessions in sorted(parts, key=lambda part: part[0])]
-    found = summarise([joined(runs) for runs in zip(*by_part, strict=True)]) if by_part else None
-    sessions = [
-        _session_out(told, found.sessions[number] if found else None)
-        for number, told in enumerate(head.sessions)
-    ]
-    return FlightsFound(
-        plan=head.plan,
-        runs=head.runs,
-        seed=head.seed,
-        flown=found.in_frame.runs if found else 0,
-        epoch=head.epoch,
-        **_told_of(found),
-        sessions=sessions,
-        warnings=_warnings(head, found),
-    )
+    sessions, told = [_filled(SessionFlightsOut, one) for one in head["sessions"]], dict(head)
+    if by_part:
+        found = summarise([joined(runs) for runs in zip(*by_part, strict=True)])
+        both = [*zip(sessions, found.sessions, strict=True)]
+        sessions = [
+            replace(
+                one,
+                **_told_of(flown),
+                frames_held=flown.held_share,
+                frames_sharp=flown.sharp_share,
+                smear_px=flown.smear_px,
+                miss_m=flown.miss_m,
+                misses=flown.miss_rad,
+                gyros=flown.gyros,
+            )
+            for one, flown in both
+        ]
+        doubts = [text for one, flown in both for text in _doubts(one, flown)]
+        told |= {**_told_of(found), "flown": found.in_frame.runs}
+        told["warnings"] = [*told.get("warnings", ()), *doubts]
+    return _filled(FlightsFound, told | {"sessions": sessions})
 
 
 def flights_json(job: Job, document: bytes | None, parts: Sequence[Any]) -> bytes:
-    """A FlightsResponse as UTF-8 JSON; document: a FlightsHead, None before there is one."""
+    """A FlightsResponse as UTF-8 JSON; document: of a head, None before there is one."""
     if document is None:
-        asked = {name: job.options[name] for name in ("runs", "seed")}
-        head = FlightsHead(plan=job.plan_id or "", epoch=None, sessions=[], **asked)
+        head = {"plan": job.plan_id or "", "sessions": [], **job.options}
     else:
-        head = from_store(FlightsHead, json.loads(unzip(document)))
+        head = json.loads(unzip(document))
     return to_json(FlightsResponse(**job_members(job) | vars(flights_found(head, parts))))
 
 
-def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
-    if found is None:
-        names = ("probability_in_frame", "in_frame_interval", "probability_sharp", "sharp_interval")
-        return {**dict.fromkeys(names), "contributors": []}
+def _filled(kind: type[T], told: Mapping[str, Any]) -> T:
+    """With what is known of it, which is nothing of flights before any."""
+    told = {"flown": 0, "contributors": [], "warnings": [], **told}
+    names = kind.__dataclass_fields__  # type: ignore[attr-defined]
+    return kind(**{name: told.get(name) for name in names})
+
+
+def _told_of(found: "PlanFlights | SessionFlights") -> dict[str, Any]:
     return {
         "probability_in_frame": found.in_frame.value,
         "in_frame_interval": found.in_frame.interval(),
@@ -214,42 +174,15 @@ def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
     }
 
 
-def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFlightsOut:
-    shown: dict[str, Any] = {it: getattr(flown, it, None) for it in ("smear_px", "miss_m", "gyros")}
-    return SessionFlightsOut(
-        session=told.session,
-        label=told.label,
-        budget_probability_in_frame=told.budget_probability_in_frame,
-        **_told_of(flown),
-        frames_held=flown.held_share if flown else None,
-        frames_sharp=flown.sharp_share if flown else None,
-        misses=flown.miss_rad if flown else None,
-        **shown,
-        nominal=told.nominal,
-    )
-
-
-def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
-    warnings = [
-        f"session {told.session + 1}: flown as planned, the drive of {axis} gives all its torque "
-        f"for {saturated_s:.1f} s and falls behind its table; raise its drive's torque_reserve, or "
-        "lower its friction or cable_tension_deg_s2, if the platform's are other than assumed"
-        for told in head.sessions
-        for axis, saturated_s in told.saturated_s.items()
-        if saturated_s > 0.0
-    ]
-    if found is None:
-        return warnings
-    for told, flown in zip(head.sessions, found.sessions, strict=True):
-        if flown.in_frame.differs_from(told.budget_probability_in_frame):
-            low, high = flown.in_frame.interval()
-            warnings.append(
-                f"session {told.session + 1}: the plan's budget tells a probability of "
-                f"{told.budget_probability_in_frame:.3f} that the target stays in the frame, the "
-                f"flights {flown.in_frame.value:.3f} ({low:.3f} to {high:.3f}): more than chance; "
-                "the budget is linear and knows no drives but their resolution: trust the flights"
-            )
-    return warnings
+def _doubts(told: SessionFlightsOut, flown: "SessionFlights") -> Iterator[str]:
+    if flown.in_frame.differs_from(told.budget_probability_in_frame):
+        low, high = flown.in_frame.interval()
+        yield (
+            f"session {told.session + 1}: the plan's budget tells a probability of "
+            f"{told.budget_probability_in_frame:.3f} that the target stays in the frame, the "
+            f"flights {flown.in_frame.value:.3f} ({low:.3f} to {high:.3f}): more than chance; "
+            "the budget is linear and knows no drives but their resolution: trust the flights"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -289,7 +222,7 @@ def prepare_flights(body: bytes, _: object = None) -> Result:
     head = flights_head(plan, scenes, what)
     firsts = [sum(counts[:number]) for number in range(len(counts))]
     return Result(
-        content=(zlib.compress(json.dumps(asdict(head)).encode()),),
+        content=(zlib.compress(to_json(head)),),
         parts=tuple(
             Part(
                 request=what.to_bytes(first=first, count=count),
@@ -302,34 +235,35 @@ def prepare_flights(body: bytes, _: object = None) -> Result:
 
 def flights_head(
     plan: FlightPlan, scenes: Sequence["SessionScene"], what: PlanToFly
-) -> FlightsHead:
+) -> FlightsFound:
     """What there is to tell before any disturbed run."""
     from planner.inflight.flights.nominal import nominal_session
     from planner.planning.sessions.platforms.registry import mover_of
 
-    asked, table = read_flights_request(what.asked), plan.table
-    sessions = []
+    asked, table, sessions, warnings = read_flights_request(what.asked), plan.table, [], []
     for scene in scenes:
         budget = mover_of(plan.scenario).budget(scene.ephemeris, table, scene.number)
         assert budget is not None  # of a target that can be seen
         nominal = nominal_session(scene, asked.moving_object)
-        names = plan.scenario.platform.dof_names
-        sessions.append(
-            SessionHead(
-                session=scene.number,
-                label=plan.scenario.sessions[scene.number].label,
-                budget_probability_in_frame=budget.probability_in_frame,
-                nominal=to_members(nominal),
-                saturated_s=dict(zip(names, nominal.saturated_s.tolist(), strict=True)),
-            )
-        )
-    return FlightsHead(
-        plan=what.plan_id,
-        runs=asked.runs,
-        seed=asked.seed,
-        epoch=utc_text(table.epoch_utc, 1),
-        sessions=sessions,
-    )
+        told = {
+            "session": scene.number,
+            "label": plan.scenario.sessions[scene.number].label,
+            "budget_probability_in_frame": budget.probability_in_frame,
+            "nominal": to_members(nominal),
+        }
+        sessions.append(_filled(SessionFlightsOut, told))
+        saturated = zip(plan.scenario.platform.dof_names, nominal.saturated_s, strict=True)
+        warnings += [
+            f"session {scene.number + 1}: flown as planned, the drive of {axis} gives all its "
+            f"torque for {saturated_s:.1f} s and falls behind its table; raise its drive's "
+            "torque_reserve, or lower its friction or cable_tension_deg_s2, if the platform's are "
+            "other than assumed"
+            for axis, saturated_s in saturated
+            if saturated_s > 0.0
+        ]
+    epoch = utc_text(table.epoch_utc, 1)
+    told = {"plan": what.plan_id, "runs": asked.runs, "seed": asked.seed, "epoch": epoch}
+    return _filled(FlightsFound, told | {"sessions": sessions, "warnings": warnings})
 
 
 def fly_part(body: bytes, _: object = None) -> Result:

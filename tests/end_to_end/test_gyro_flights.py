@@ -10,10 +10,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from app.answers.members import from_store, to_json, to_members
+from app.answers.members import to_json, to_members
 from app.requests.plan import read_plan_request
 from app.work.flights import (
-    FlightsHead,
     PlanToFly,
     flights_found,
     flights_head,
@@ -84,7 +83,7 @@ def test_every_spacecraft_that_may_be_is_steady(plan, scene, runs):
 def told_of(plan, scene, runs):
     """As an answer tells it, the runs packed and read again."""
     what = PlanToFly(plan_id="1", asked=b'{"runs": 6, "seed": 1}', request=b"", table_columns=b"")
-    head = from_store(FlightsHead, to_members(flights_head(plan, [scene], what)))
+    head = to_members(flights_head(plan, [scene], what))
     found = flights_found(head, [unpacked_outcomes(packed_outcomes(runs, 0))])
     return json.loads(to_json(found))
 
