@@ -2,7 +2,7 @@
 
 import json as json_text
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -13,11 +13,6 @@ from app.cli.plan_report import session_number
 from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
 from app.cli.report_parts import print_rows, print_warnings
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-_COLOUR, _MISSES = "#0b5fa5", "#c8501e"
 
 
 def fly(
@@ -56,6 +51,8 @@ def fly(
             told = planner.fly(plan.id, asked, progress=tell).members
         print_flights(console, told)
         if plot and image_format:
+            from planner.inflight.flights.figure import draw_flights
+
             files.write(plot, draw_flights(told, image_format))
         files.write_json(json, told)
 
@@ -109,43 +106,3 @@ def _probability(value: float | None, share_interval: list[float] | None) -> str
     if value is None or share_interval is None:
         return "-"
     return f"{value:.3f} ({share_interval[0]:.3f}..{share_interval[1]:.3f})"
-
-
-def draw_flights(found: Members, image_format: str) -> bytes:
-    """A row a session: what its frames show as planned, and a histogram of the misses."""
-    from matplotlib.figure import Figure
-
-    from planner.output.export.figure_parts import DASHED, LIMIT_COLOUR, picture_file, utc_ticks
-    from planner.world.frames.time_scales import utc_from_text
-
-    sessions = found["sessions"]
-    figure = Figure(figsize=(12.0, 3.2 * len(sessions)), layout="constrained")
-    rows = figure.subplots(len(sessions), 3, squeeze=False)
-    epoch_utc = utc_from_text(found["epoch"])
-    for one, (smear, error, misses) in zip(sessions, rows, strict=True):
-        nominal, t_s = one["nominal"], one["nominal"]["t_s"]
-        for panel, values, label in (
-            (smear, nominal["smear_px"], "smear as planned, pixels"),
-            (error, nominal["error_arcsec"], "error as planned, arcsec"),
-        ):
-            _label(panel, label)
-            panel.plot(t_s, values, color=_COLOUR, linewidth=1.0)
-            ticks_s, texts = utc_ticks(epoch_utc, t_s[0], t_s[-1])
-            panel.set_xticks(ticks_s[::2], texts[::2])
-            panel.set_ylim(bottom=0.0)
-        smear.axhline(1.0, color=LIMIT_COLOUR, **DASHED)
-        smear.set_title(
-            f"session {one['session'] + 1}: {one['label']}", loc="left", parse_math=False
-        )
-        if (missed := one["misses"]) is not None:
-            _label(misses, f"of {found['flown']} runs")
-            misses.stairs(missed["counts"], missed["edges_arcsec"], fill=True, color=_MISSES)
-            misses.set_xlabel(f"largest miss, arcsec ({missed['beyond']} runs beyond)")
-    title = f"{found['flown']} flights, seed {found['seed']}"
-    return picture_file(figure, image_format, title, found["warnings"])
-
-
-def _label(panel: "Axes", label: str) -> None:
-    panel.set_ylabel(label)
-    panel.grid(color="#e4e4e4", linewidth=0.6)
-    panel.spines[["top", "right"]].set_visible(False)

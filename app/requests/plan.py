@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import AfterValidator, Field
 
-from app.requests.initial_state import AskedInitialState
 from app.requests.json_reader import JsonReader, json_fields
 from estimator.camera import HorizonCamera
 from estimator.request import require_cameras
 from planner.base.spec import is_kept, spec
 from planner.world.frames.time_scales import elapsed_s, tai_us
+from planner.world.initial_state import AskedInitialState
 from planner.world.scenario import InitialState, Scenario, Session
 
 SESSIONS_MAX = 200

@@ -2,12 +2,11 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
 from app.requests.json_reader import JsonReader, json_document
@@ -17,15 +16,15 @@ from app.work.plan import stored_plan
 from planner.base.answer_members import Member
 from planner.base.arrays import Array
 from planner.base.errors import FieldError, InvalidRequest
-from planner.base.spec import Within, spec
 from planner.inflight.telemetry.estimates import ClockEstimate, Estimate, Inseparable
 from planner.inflight.telemetry.figure import write_comparison_png, write_comparison_svg
 from planner.inflight.telemetry.findings import AxisComparison, SamplesUse
 from planner.inflight.telemetry.platforms.sensors import Parameter, PointingParts
-from planner.inflight.telemetry.samples import OPTIONS, ImageOffset, Samples, read_csv, samples_of
+from planner.inflight.telemetry.request import ComparisonRequest
+from planner.inflight.telemetry.samples import OPTIONS, Samples, read_csv, samples_of
 from planner.inflight.telemetry.table import write_comparison_csv
 from planner.output.export import Exporter
-from planner.world.attitude.corrections import AttitudeCorrection, Corrections
+from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import FlightPlan
 from planner.world.platforms import BodyPlatform, PlatformDefinition
@@ -33,8 +32,6 @@ from planner.world.platforms import BodyPlatform, PlatformDefinition
 if TYPE_CHECKING:
     from planner.inflight.telemetry.compare import Comparison
 
-_Second = Annotated[float, Within(-1e10, 1e10)] | None
-_COLUMNS_MAX = 20
 _TIMES = ("t_s", "utc")
 _COLUMN_SCHEMA: dict[str, Any] = {
     "type": "array",
@@ -43,61 +40,6 @@ _COLUMN_SCHEMA: dict[str, Any] = {
     "for each axis NAME of the platform, or a body's q_1 to q_4 and omega_body_deg_s_x, _y, _z; "
     "angles also in rad, mrad, arcmin, arcsec.",
 }
-
-
-@spec
-class TelemetrySamples:
-    """Time tags by the telemetry's own clock, and per axis NAME of the platform a column of angles
-    (`NAME_deg`), of rates (`NAME_rate_deg_s`) or both; of a body its attitude's quaternion (`q_1`
-    to `q_4`), its rates (`omega_body_deg_s_x`, `_y`, `_z`) or both.
-
-    Rows may be in any order, doubled, damaged or missing; null is no value. What was done with
-    them is told.
-
-    epoch: from which t_s counts; unless given, the plan's; UTC. E.g. `"2015-02-27T17:34:00Z"`.
-    t_s: time tags, at most 400,000, which take 20 s of a processor; where JSON of so many is too
-    long for a request, send CSV by multipart. E.g. `[100.0, 100.2, 100.4]`.
-    utc: time tags instead of t_s; UTC. E.g. `["2015-02-27T17:35:40.000Z"]`.
-    """
-
-    epoch: datetime | None = None
-    t_s: tuple[_Second, ...] = ()
-    utc: tuple[str, ...] = ()
-
-
-@spec
-class ComparisonRequest:
-    """Telemetry of the axes while a plan was flown, with corrections and image offsets of the same
-    time.
-
-    plan: id of the plan that was flown. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
-    columns: names of columns that the samples call otherwise, by what they hold: t_s, utc, unix_s,
-    an axis's NAME_deg, NAME_rate_deg_s or the like in its own unit, or a body's q_1. E.g.
-    `{"t_s": "Time", "alpha_arcsec": "AZ encoder"}`.
-    corrections: measured rotations of the carrier of two axes during the plan, each as a horizon
-    estimate answers its `correction`. E.g. `[{"epoch": "2015-02-27T17:37:00Z", "turn_body_deg":
-    [0.25, 0.05, 0.0], "covariance_deg2": [[4e-4, 0.0, 0.0], [0.0, 4e-4, 0.0],
-    [0.0, 0.0, 32400.0]]}]`.
-    image_offsets: positions of the target in frames of the session of two axes. E.g.
-    `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
-    identify: parameters of the platform's drives to find, each `axis.field`, of plans up to 600 s;
-    it takes 15 to 30 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.
-    """
-
-    plan: str
-    samples: TelemetrySamples | None = None
-    columns: Annotated[Mapping[str, str], Field(max_length=_COLUMNS_MAX)] = field(
-        default_factory=dict
-    )
-    corrections: Corrections = ()
-    image_offsets: Annotated[
-        tuple[ImageOffset, ...], Field(max_length=OPTIONS.image_offsets_max)
-    ] = ()
-    identify: Annotated[tuple[str, ...], Field(max_length=OPTIONS.parameters_max)] = ()
-
-    def __post_init__(self) -> None:
-        if not self.plan:
-            raise ValueError("plan is required: the id of the plan that was flown")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -144,8 +86,10 @@ def read_comparison_head(body: bytes) -> ComparisonRequest:
 
 
 def _sent(members: dict[str, Any]) -> SentSamples:
-    if len(members) > _COLUMNS_MAX:
-        raise _fault("samples", f"has {len(members)} columns; at most {_COLUMNS_MAX} are read")
+    if len(members) > OPTIONS.json_columns_max:
+        raise _fault(
+            "samples", f"has {len(members)} columns; at most {OPTIONS.json_columns_max} are read"
+        )
     times = [name for name in _TIMES if members.get(name)]
     if len(times) != 1:
         raise _fault("samples.t_s", "is required, or utc instead: a time tag for each sample")

@@ -46,6 +46,7 @@ class SampleOptions:
     rows_max: int = 400_000  # 15 Hz for seven hours
     rows_min: int = 8  # fewer tell nothing of a clock
     columns_max: int = 200  # of a CSV file
+    json_columns_max: int = 20
     image_offsets_max: int = 100
     parameters_max: int = 8
     tag_max_s: float = 1e10  # what no clock shows

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from datetime import datetime
 
 from planner.base.assumed import Assumed
@@ -13,10 +13,18 @@ from planner.world.platforms import AngleDeg, AnyPlatform
 from planner.world.rules.registry import POSITIONS, rules_of
 from planner.world.scenario import BodyMotionDeg, InitialState, MotionDeg, PastLooks, Quaternion
 
-# Slews take at most ten times the least time that the limits allow: more makes them no smoother.
-_ENOUGH = 10.0
-_LEAD_MAX_S = 3600.0  # 18,000 rows, if the least time is no more
 _STEP_US = round(COMMAND_STEP_S * 1e6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeadOptions:
+    """How long before the first session a table begins that isn't told when."""
+
+    enough: float = 10.0  # times the least time of the slew: more makes it no smoother
+    most_s: float = 3600.0  # 18,000 rows, if the least time is no more
+
+
+OPTIONS = LeadOptions()
 
 
 @spec
@@ -117,4 +125,4 @@ def _lead_s(platform: AnyPlatform, position_deg: Mapping[str, float]) -> float:
             travel_rad = max(stops[1] - position_rad, position_rad - stops[0])
         rate, acceleration, jerk = (most for _, most in orders)
         least_s = max(least_s, travel_rad / rate + rate / acceleration + acceleration / jerk)
-    return math.ceil(max(least_s, min(_ENOUGH * least_s, _LEAD_MAX_S)))
+    return math.ceil(max(least_s, min(OPTIONS.enough * least_s, OPTIONS.most_s)))
