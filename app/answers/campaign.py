@@ -12,83 +12,12 @@ from app.answers.problem import Problem
 from app.ids import JobState
 from app.store.job import Job
 from app.store.packed import unzip
-from planner.base.answer_members import Count, NotNegative, Share, answer
-from planner.base.assumed import Assumed
+from planner.base.answer_members import Count, NotNegative, answer
 from planner.planning.campaigns.chosen import (
     ChosenLook,
-    UnchosenByAll,
-    UnchosenTarget,
-    UnseenByAll,
 )
-from planner.planning.campaigns.revision import PassResources, RevisionFound
-from planner.planning.opportunities.closing import Unseen
-
-
-@dataclass(frozen=True, kw_only=True)
-class CampaignChoiceOut:
-    """The worth of the looks chosen together, and the most that it could be.
-
-    value: of the looks chosen. E.g. `5.94`.
-    bound: no choice is worth more whose looks begin on the grid of `step_s`, have one of the
-    lengths tried (least, wanted, half-way) and lie in the same passes. E.g. `6.0`.
-    gap_share: the difference between bound and `value`, as a share of the bound. E.g. `0.01`.
-    greedy_value: worth of the choice that takes whatever is worth most in each pass, one pass after
-    another. E.g. `5.1`.
-    windows: number of windows to choose from. E.g. `12`.
-    looks: number of looks chosen. E.g. `6`.
-    passes: number of passes that hold looks. E.g. `4`.
-    unseen: targets that can't be looked at for as long as they must, and why.
-    left_out: targets that can, but others are worth more.
-    assumed: places of the targets that the request gives by name only.
-    warnings: cautions to read before relying on it. E.g.
-    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
-    revision: of a campaign that revises another: the looks that stay, beside those that all else
-    here tells of, and what became of each target; null of others.
-    """
-
-    value: NotNegative
-    bound: NotNegative
-    gap_share: Share
-    greedy_value: NotNegative
-    windows: Count
-    looks: Count
-    passes: Count
-    unseen: tuple[Unseen, ...]
-    left_out: tuple[UnchosenTarget, ...]
-    assumed: tuple[Assumed, ...]
-    warnings: tuple[str, ...]
-    revision: RevisionFound | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class CarrierOut:
-    """The share of one of several carriers.
-
-    id: its name in the request. E.g. `"north"`.
-    passes: number of its passes that hold looks. E.g. `2`.
-    looks: number of looks chosen for it. E.g. `5`.
-    value: of these. E.g. `7.25`.
-    """
-
-    id: str
-    passes: Count
-    looks: Count
-    value: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class FleetChoiceOut(CampaignChoiceOut):
-    """The worth of the looks chosen for several carriers, and the most that it could be.
-
-    unseen: targets that no carrier can look at for as long as it must, and why not the one that
-    comes nearest.
-    left_out: targets that some carrier can, but others are worth more.
-    carriers: the share of each, in the request's order.
-    """
-
-    unseen: tuple[UnseenByAll, ...]
-    left_out: tuple[UnchosenByAll, ...]
-    carriers: tuple[CarrierOut, ...]
+from planner.planning.campaigns.revision import PassResources
+from planner.planning.campaigns.told import CampaignChoiceOut, FleetChoiceOut
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,6 @@ from datetime import datetime
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from app.answers.campaign import CampaignChoiceOut, CarrierOut, FleetChoiceOut
 from app.answers.members import to_json, to_members
 from app.requests.campaign import read_campaign_request
 from app.requests.json_reader import json_document, json_fields
@@ -31,10 +30,11 @@ from planner.output.export.map_features import MapFeature, PlanMap
 from planner.output.export.plan_map import target_features
 from planner.planning.campaigns import CampaignRequest, FleetRequest
 from planner.planning.campaigns.chosen import ChosenLook
+from planner.planning.campaigns.told import told_of
 from planner.world.frames.time_scales import utc_from_text, utc_text
 
 if TYPE_CHECKING:
-    from planner.planning.campaigns import Campaign, ChosenPass
+    from planner.planning.campaigns import ChosenPass
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")  # the last where it is as asked
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
@@ -114,14 +114,13 @@ def choose(
     found = found or []
     looks = dict(_unpacked(found.pop(0)) for _ in range(len(found)))
     requests, campaign = choose_what_is_asked(request, report, looks)
-    words, told = {"": document}, _choice(request, campaign)
+    words = {"": document}
     asked = {target["id"]: target["target"] for target in document["targets"]}
     if isinstance(request, FleetRequest):
         words = {one["id"]: one for one in document["carriers"]}
-        told = _fleet_choice(told, request, campaign)
     first = campaign.revision.next_number if campaign.revision else 0
     return Result(
-        content=(zlib.compress(to_json(told)),),
+        content=(zlib.compress(to_json(told_of(request, campaign))),),
         parts=tuple(
             _part(document, asked, words[flight.carrier], requests[flight.carrier], number, flight)
             for number, flight in enumerate(campaign.passes, first)
@@ -181,41 +180,6 @@ def _frozen(choice: Mapping[str, Any]) -> list[dict[str, Any]]:
 def plans_that_stay(choice: Mapping[str, Any]) -> list[str]:
     """Ids of the plans of a revision's passes that stay."""
     return [*dict.fromkeys(look["plan"] for look in _frozen(choice) if look["plan"])]
-
-
-def _fleet_choice(
-    told: CampaignChoiceOut, request: FleetRequest, campaign: "Campaign"
-) -> FleetChoiceOut:
-    flown: dict[str, list[ChosenPass]] = {one.id: [] for one in request.carriers}
-    for flight in campaign.passes:
-        flown[flight.carrier].append(flight)
-    carriers = tuple(
-        CarrierOut(
-            id=carrier,
-            passes=len(own),
-            looks=sum(len(flight.looks) for flight in own),
-            value=sum((look.value for flight in own for look in flight.looks), 0.0),
-        )
-        for carrier, own in flown.items()
-    )
-    return FleetChoiceOut(**vars(told), carriers=carriers)
-
-
-def _choice(request: CampaignRequest | FleetRequest, campaign: "Campaign") -> CampaignChoiceOut:
-    return CampaignChoiceOut(
-        value=campaign.value,
-        bound=campaign.bound,
-        gap_share=campaign.gap_share,
-        greedy_value=campaign.greedy_value,
-        windows=campaign.windows,
-        looks=sum(len(flight.looks) for flight in campaign.passes),
-        passes=len(campaign.passes),
-        unseen=campaign.unseen,
-        left_out=campaign.left_out,
-        assumed=request.assumed,
-        warnings=campaign.warnings,
-        revision=campaign.revision,
-    )
 
 
 def _part(

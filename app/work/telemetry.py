@@ -86,10 +86,8 @@ def read_comparison_head(body: bytes) -> ComparisonRequest:
 
 
 def _sent(members: dict[str, Any]) -> SentSamples:
-    if len(members) > OPTIONS.json_columns_max:
-        raise _fault(
-            "samples", f"has {len(members)} columns; at most {OPTIONS.json_columns_max} are read"
-        )
+    if len(members) > (most := OPTIONS.json_columns_max):
+        raise _fault("samples", f"has {len(members)} columns; at most {most} are read")
     times = [name for name in _TIMES if members.get(name)]
     if len(times) != 1:
         raise _fault("samples.t_s", "is required, or utc instead: a time tag for each sample")
