@@ -159,8 +159,7 @@ def fly(name: str, dispersion: Dispersion) -> Log:
     """One run of the paper's laws over all goals of a session."""
     table, given = goal_table(name)
     states = orbit_states(planned(name))
-    spans = [(one.first_row, one.last_row) for one in planned(name).windows]
-    imaging = camera_on(spans, len(table.position))
+    imaging = camera_on(_spans(planned(name)), len(table.position))
     return fly_table(OWN_CRAFT, table, imaging, states, dispersion, law=PAPER, commanded=given)
 
 
@@ -323,13 +322,16 @@ def far_aside() -> ImagingPlanRequest:
     return session_request(orbit, 400.0, strips, simulation_runs=0)
 
 
+def _spans(plan: ImagingPlan) -> list[tuple[int, int]]:
+    """Rows of its looks."""
+    return [(one.first_row, one.last_row) for one in plan.windows]
+
+
 def draw_imaging(folder: Path) -> None:
     for name in (STRIPS, AREAS):
         plan = planned(name)
-        craft, imaging = (
-            plan.request.definition().craft,
-            camera_on([(one.first_row, one.last_row) for one in plan.windows], len(plan.table.t_s)),
-        )
+        craft = plan.request.definition().craft
+        imaging = camera_on(_spans(plan), len(plan.table.t_s))
         log = fly_table(craft, plan.table, imaging, orbit_states(plan), draw_dispersion(craft, 0))
         figure = draw(plan, log, SHOWN[name], CLOCK_S[name])
         figure.savefig(folder / f"reproduction_spacecraft_{name}.png", dpi=90)
