@@ -194,7 +194,8 @@ def _plan(desk: Desk, work: LocalAsk) -> bytes:
     if "dry_run" in work.ask.query:
         origin = provenance(datetime.now(UTC), work.body)
         if work.is_spacecraft:
-            from app.work.spacecraft import read_spacecraft_request, try_session
+            from app.requests.spacecraft import read_spacecraft_request
+            from app.work.spacecraft import try_session
 
             return try_session(read_spacecraft_request(work.body), origin)
         return try_plan(read_plan_request(work.body), origin)

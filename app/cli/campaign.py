@@ -10,8 +10,7 @@ from rich.text import Text
 
 from app.cli import files
 from app.cli import report_parts as parts
-from app.cli.planner import Members, planner_at
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, planner_at, told_progress
 from app.requests.json_reader import json_document
 from planner.base.errors import InvalidInput
 

@@ -10,8 +10,7 @@ from rich.text import Text
 
 from app.cli import files
 from app.cli.plan_report import session_number
-from app.cli.planner import Members, planner_at
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, planner_at, told_progress
 from app.cli.report_parts import print_rows, print_warnings
 
 
@@ -43,9 +42,10 @@ def fly(
         flights = {"runs": runs, "seed": seed, "moving_object": moving_object}
         asked = json_text.dumps(flights).encode()
 
-        from app.work.flights import read_flights_request
+        from app.requests.json_reader import JsonReader
+        from planner.inflight.flights.request import FlightsRequest
 
-        read_flights_request(asked)  # before anything is planned
+        JsonReader(FlightsRequest).read(asked)  # before anything is planned
         with planner_at(url) as planner, told_progress("planning") as tell:
             plan = planner.plan(body, progress=tell)
             told = planner.fly(plan.id, asked, progress=tell).members

@@ -12,8 +12,7 @@ from rich.console import Console
 from rich.text import Text
 
 from app.cli import files
-from app.cli.planner import Members, planner_at
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, planner_at, told_progress
 from app.cli.report_parts import print_rows, print_warnings
 from planner.base.errors import InvalidInput
 
@@ -129,8 +128,8 @@ def measure_frames(
             tell(Progress(stage="frames", done=number, of=len(requests))) or frame
             for number, frame in enumerate(frames)
         )
-        found = series.measure_series(requests, told)
-    return ParsedAnswer(series.series_json(found, provenance(datetime.now(UTC), body)))
+        origin = provenance(datetime.now(UTC), body)
+        return ParsedAnswer(series.series_json(requests, told, origin))
 
 
 def print_estimate(console: Console, estimate: Members) -> None:

@@ -12,8 +12,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, ClassVar
 
-from app.cli.planner import Members, OnProgress
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, OnProgress, told_progress
 from app.here import Desk, Kept, reporting, told_pass
 from app.ids import new_id
 from app.requests.json_reader import json_document

@@ -7,8 +7,7 @@ import typer
 from rich.console import Console
 
 from app.cli import files
-from app.cli.planner import Members, planner_at
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, planner_at, told_progress
 from app.cli.report_parts import print_warnings
 from planner.base.errors import InvalidInput, Unverified
 

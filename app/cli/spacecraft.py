@@ -5,8 +5,7 @@ from rich.text import Text
 
 from app.cli import files
 from app.cli.plan import say_whether_it_flies
-from app.cli.planner import Members, planner_at
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, planner_at, told_progress
 from app.cli.report_parts import print_rows, print_warnings
 
 
@@ -22,7 +21,7 @@ def spacecraft(
     """Plan an imaging session of the CMG spacecraft and report."""
     with files.report_beside(json, csv, exports=export) as console:
         body = files.read_request(file, settings)
-        from app.work.spacecraft import read_spacecraft_request
+        from app.requests.spacecraft import read_spacecraft_request
         from planner.output.export import EXPORTERS
 
         exports = files.formats_and_paths(export, EXPORTERS)

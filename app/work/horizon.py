@@ -120,8 +120,6 @@ PREDICTION_READER = JsonReader(PredictionRequest)
 PICTURE_READER = JsonReader(PictureRequest)
 
 read_estimate_request = ESTIMATE_READER.read
-read_prediction_request = PREDICTION_READER.read
-read_picture_request = PICTURE_READER.read
 
 
 Direction = Annotated[Array, Member("", -1.0, 1.0, decimals=9)]

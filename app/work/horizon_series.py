@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
 
@@ -118,15 +117,6 @@ _SESSION = JsonReader(HorizonSession)
 _FRAMES = JsonReader(HorizonFrames)
 
 
-@dataclass(frozen=True)
-class Series:
-    """What was asked frame by frame, what was found, and their summary."""
-
-    requests: tuple[HorizonRequest, ...]
-    estimates: tuple[VerticalEstimate, ...]
-    report: SeriesReport
-
-
 def read_series(body: bytes) -> HorizonSession | HorizonFrames | None:
     """A session, a list of frames, or None where the text is the request for one estimate."""
     try:
@@ -165,24 +155,20 @@ def frame_requests(
     return source.requests(count)
 
 
-def measure_series(
-    requests: Sequence[HorizonRequest], frames: Iterator[Sequence[Pixels]]
-) -> Series:
-    """One estimate per frame; frames: a camera's picture each, in the cameras' order."""
+def series_json(
+    requests: Sequence[HorizonRequest],
+    frames: Iterator[Sequence[Pixels]],
+    provenance: ProvenanceOut,
+) -> bytes:
+    """One estimate per frame, and what they tell; frames: a picture each, in the cameras' order."""
     estimates = tuple(
         estimate_vertical(images, request) for request, images in zip(requests, frames, strict=True)
     )
     sigma_deg = max((r.predicted.sigma_deg for r in requests if r.predicted), default=0.0)
-    report = summarise_series(estimates, math.radians(sigma_deg))
-    return Series(tuple(requests), estimates, report)
-
-
-def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
-    frames = zip(series.requests, series.estimates, strict=True)
     return to_json(
         SeriesResponse(
-            **vars(series.report),
-            frames=tuple(_frame(request, estimate) for request, estimate in frames),
+            **vars(summarise_series(estimates, math.radians(sigma_deg))),
+            frames=tuple(map(_frame, requests, estimates)),
             provenance=provenance,
         )
     )

@@ -24,7 +24,7 @@ from planner.base.spec import as_kept
 from planner.motion.comparison import SlewComparison
 from planner.output.export import EXPORTERS
 from planner.planning.sessions.budget import PointingBudget
-from planner.planning.sessions.plan import Plan, SlewRun
+from planner.planning.sessions.plan import Plan, SolverOut
 from planner.planning.sessions.summary import PlanSummary, summarise
 from planner.verification import Finding, LimitMargin, Reserve, SessionReport, VerificationReport
 from planner.verification.report import (
@@ -74,26 +74,6 @@ class TableAlone(BaseModel, extra="allow"):
     step_s: NotNegative
     t_s: list[NotNegative]
     description: dict[str, Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SolverOut:
-    """The solution of the slews, all together and one by one.
-
-    backend: the methods, as `slew.method` names them.
-    status: quality of the slews, as `slews` states it.
-    iterations: of Ipopt.
-    wall_s: time it took to solve all slews.
-    slews: the solution of each slew.
-    stages_wall_s: time of each stage of the whole plan.
-    """
-
-    backend: str
-    status: str
-    iterations: Count
-    wall_s: NotNegative
-    slews: tuple[SlewRun, ...]
-    stages_wall_s: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,16 +190,13 @@ def table_json(table: CommandTable) -> bytes:
 
 def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: ProvenanceOut) -> bytes:
     report = plan.verification
-    margins: dict[str, dict[str, LimitMargin]] = {}
-    for margin in report.limits:
-        margins.setdefault(margin.axis, {})[margin.kind] = margin
     return to_json(
         PlanDocument(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
             summary=summarise(plan),
             segments=plan.segments,
-            margins=margins,
+            margins=report.margins,
             keep_out=report.keep_out,
             masks=report.masks,
             exclusions=report.exclusions,
@@ -231,14 +208,7 @@ def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: Proven
             verification=report,
             comparison=[run.comparison for run in plan.slews if run.comparison is not None],
             horizon_checks=list(checks),
-            solver=SolverOut(
-                backend=" ".join(dict.fromkeys(run.backend for run in plan.slews)),
-                status=" ".join(dict.fromkeys(run.status for run in plan.slews)),
-                iterations=sum(run.iterations for run in plan.slews),
-                wall_s=sum(run.wall_s for run in plan.slews),
-                slews=plan.slews,
-                stages_wall_s=plan.stage_wall_s,
-            ),
+            solver=plan.solver,
             warnings=list(plan.warnings),
             assumed=list(plan.scenario.assumed),
             provenance=provenance,

@@ -1,16 +1,16 @@
-"""Imaging sessions of the spacecraft: the request, the plan, its stored table, the answers."""
+"""Imaging sessions of the spacecraft: the plan, its stored table, the answers."""
 
 import json
 import zlib
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from app.answers.members import PlanHead, ProvenanceOut, provenance, to_json
-from app.requests.json_reader import JsonReader
 from app.requests.plan import write_plan_request
+from app.requests.spacecraft import read_spacecraft_request
 from app.store.job import Listing
 from app.store.packed import pack, unpack
 from app.work.plan import packed_plan, plan_document, stored_table
@@ -19,52 +19,13 @@ from app.work.result import Result
 from planner.base.answer_members import Count, DirectionPart, NotNegative, Signed
 from planner.base.arrays import Array
 from planner.base.commands import BODY_CHANNELS, COMMAND_STEP_S
-from planner.base.errors import InvalidMessage
 from planner.base.rotation import Rotation, continuous
 from planner.spacecraft.found import SessionFound
 from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.vehicle import SPACECRAFT
 from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
     pass
-
-
-def _with_plain_requests(document: object) -> object:
-    """A FeatureCollection's features as requests, in their order, for the schema to check."""
-    if not isinstance(document, dict) or not isinstance(document.get("requests"), dict):
-        return document
-    features = document["requests"].get("features")
-    if not isinstance(features, list) or not features:
-        raise InvalidMessage("a FeatureCollection with at least one feature is needed")
-    requests = []
-    for number, feature in enumerate(features):
-        match feature:
-            case {"properties": dict(properties), "geometry": dict(geometry)}:
-                requests.append({**properties, "geometry": geometry})
-            case _:
-                raise InvalidMessage(
-                    f"features.{number} needs `properties` with mode and name, and a `geometry`",
-                    field=f"features.{number}",
-                )
-    return document | {"requests": requests}
-
-
-def _add_features(schema: dict[str, Any]) -> None:
-    schema["properties"]["spacecraft"]["enum"] = list(SPACECRAFT)
-    features = {
-        "type": "object",
-        "description": "GeoJSON FeatureCollection: each Feature's properties are a request's "
-        "other fields (mode, name, priority, ...)",
-        "required": ["features"],
-    }
-    schema["properties"]["requests"] = {"anyOf": [schema["properties"]["requests"], features]}
-
-
-# `requests` may be a GeoJSON FeatureCollection; InvalidMessage for what is no GeoJSON.
-SPACECRAFT_READER = JsonReader(ImagingPlanRequest, _with_plain_requests, _add_features)
-
-read_spacecraft_request = SPACECRAFT_READER.read
 
 
 @dataclass(frozen=True, kw_only=True)

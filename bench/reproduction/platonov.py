@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from app.work.spacecraft import read_spacecraft_request
+from app.requests.spacecraft import read_spacecraft_request
 from planner.base.arrays import Array
 from planner.base.commands import CommandTable
 from planner.base.rotation import of_like_sign

@@ -377,3 +377,11 @@ class VerificationReport:
     resources: Internal[tuple[Reserve, ...]] = ()
     gyros: Internal[tuple[GyroMargin, ...]] = ()
     slow_stretches: Internal[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time
+
+    @property
+    def margins(self) -> dict[str, dict[str, LimitMargin]]:
+        """By axis, then by limit."""
+        told: dict[str, dict[str, LimitMargin]] = {}
+        for margin in self.limits:
+            told.setdefault(margin.axis, {})[margin.kind] = margin
+        return told

@@ -7,7 +7,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from app.requests.examples import ESTIMATE_EXAMPLE, LAS_VEGAS, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.plan import read_plan_request
-from app.work.horizon import read_picture_request, read_prediction_request
+from app.work.horizon import PICTURE_READER, PREDICTION_READER
 from estimator.request import HorizonRequest
 from planner.base.errors import InvalidRequest
 
@@ -70,9 +70,9 @@ def test_pictures_of_four_megapixels_are_rendered_and_of_more_not():
     def of(width_px, height_px):
         return PICTURE | {"camera": AHEAD | {"width_px": width_px, "height_px": height_px}}
 
-    assert read_picture_request(json.dumps(of(2100, 2000)).encode()).camera.width_px == 2100
-    refused(read_picture_request, of(2101, 2000), "4200000 pixels are rendered, not 4202000")
-    refused(read_picture_request, PICTURE | {"at": "2015-02-27T17:37:00"}, "offset")
+    assert PICTURE_READER.read(json.dumps(of(2100, 2000)).encode()).camera.width_px == 2100
+    refused(PICTURE_READER.read, of(2101, 2000), "4200000 pixels are rendered, not 4202000")
+    refused(PICTURE_READER.read, PICTURE | {"at": "2015-02-27T17:37:00"}, "offset")
 
 
 @pytest.mark.parametrize(
@@ -86,13 +86,13 @@ def test_pictures_of_four_megapixels_are_rendered_and_of_more_not():
     ],
 )
 def test_views_that_are_too_many_or_too_far_apart_are_not_foretold(change, says):
-    refused(read_prediction_request, PREDICTION | change, says)
+    refused(PREDICTION_READER.read, PREDICTION | change, says)
 
 
 def test_three_days_and_two_thousand_views_are_foretold():
     first, last = "2015-02-27T00:00:00Z", "2015-03-02T00:00:00Z"
     most = PREDICTION | {"instants": [first] * 999 + [last]}
-    assert len(read_prediction_request(json.dumps(most).encode()).instants) == 1000
+    assert len(PREDICTION_READER.read(json.dumps(most).encode()).instants) == 1000
 
 
 def test_cameras_of_a_plan_have_names_of_their_own():

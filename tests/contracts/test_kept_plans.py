@@ -8,8 +8,8 @@ import pytest
 from sqlalchemy import update
 
 from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.store.models import JobRow
-from app.work.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.work.view import DRAWN
 from planner.base.errors import InvalidRequest
 from planner.output.export import EXPORTERS

@@ -31,21 +31,16 @@ from app.requests.examples import (
     SPACECRAFT_EXAMPLES,
 )
 from app.requests.plan import PLAN_READER, read_plan_request
+from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.work.flights import FLIGHTS_READER, read_flights_request
 from app.work.horizon import (
     ESTIMATE_READER,
     PICTURE_READER,
     PREDICTION_READER,
     read_estimate_request,
-    read_picture_request,
-    read_prediction_request,
 )
 from app.work.horizon_series import _SESSION
 from app.work.searches import OPPORTUNITY_READER, read_opportunity_request
-from app.work.spacecraft import (
-    SPACECRAFT_READER,
-    read_spacecraft_request,
-)
 from planner.base.errors import InvalidInput, InvalidRequest
 
 Document = dict[str, Any]
@@ -242,9 +237,9 @@ def _kinds() -> tuple[Asked, ...]:
               (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
         Asked("estimate", read_estimate_request, ESTIMATE_READER.json_schema(template),
               (ESTIMATE_EXAMPLE | {"body": {}},)),
-        Asked("prediction", read_prediction_request, PREDICTION_READER.json_schema(template),
+        Asked("prediction", PREDICTION_READER.read, PREDICTION_READER.json_schema(template),
               tuple(d | {"body": {}} for d in _shown(PREDICTION_EXAMPLES))),
-        Asked("picture", read_picture_request, PICTURE_READER.json_schema(template),
+        Asked("picture", PICTURE_READER.read, PICTURE_READER.json_schema(template),
               tuple(d | {"scene": {"atmosphere": {}}, "sensor": {}}
                     for d in _shown(PICTURE_EXAMPLES))),
         Asked("series", _SESSION.read, _SESSION.json_schema(template),

@@ -11,7 +11,7 @@ from app.http.app import create_app
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN, SPACECRAFT_PLAN
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import CAMPAIGN_EXAMPLES, LAS_VEGAS, SPACECRAFT_EXAMPLES
-from app.work.spacecraft import read_spacecraft_request
+from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import Refusal
 from planner.planning.campaigns import choose_campaign, choose_what_is_asked
 from planner.planning.sessions.pipeline import make_plan

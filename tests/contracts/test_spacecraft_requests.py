@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.json_reader import VALUES_MAX
-from app.work.spacecraft import read_spacecraft_request
+from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidMessage, InvalidRequest
 from planner.spacecraft.requests import ImagingPlanRequest, Request
 

@@ -19,9 +19,9 @@ from app.requests.examples import (
     message,
 )
 from app.requests.plan import read_plan_request
-from app.work.horizon import read_prediction_request
+from app.requests.spacecraft import read_spacecraft_request
+from app.work.horizon import PREDICTION_READER
 from app.work.searches import read_opportunity_request
-from app.work.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidInput, Refusal
 
 OEM = message("orbit.oem")
@@ -91,7 +91,7 @@ NAMES = [
     (read_opportunity_request, OPPORTUNITY_EXAMPLES["cities"][1], "name"),
     (read_spacecraft_request, STRIP, "name"),
     (read_spacecraft_request, STRIP, "requests.features.0.properties.name"),
-    (read_prediction_request, PREDICTION_EXAMPLES["pass"][1], "cameras.0.name"),
+    (PREDICTION_READER.read, PREDICTION_EXAMPLES["pass"][1], "cameras.0.name"),
 ]
 
 

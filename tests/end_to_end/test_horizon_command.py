@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from app.cli import main
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, SESSION_EXAMPLE
-from app.work.horizon import picture, read_picture_request
+from app.work.horizon import PICTURE_READER, picture
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ESTIMATE = EXAMPLES / "horizon_estimate.json"
@@ -60,7 +60,7 @@ def frames():
     taken = []
     for k, at in enumerate(("2015-02-27T17:37:00Z", "2015-02-27T17:37:05Z")):
         request = {**PICTURE_EXAMPLES["ahead"][1], "attitude": attitude, "at": at, "seed": k}
-        taken.append(picture(read_picture_request(json.dumps(request).encode())))
+        taken.append(picture(PICTURE_READER.read(json.dumps(request).encode())))
     return taken
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.work.spacecraft import read_spacecraft_request
+from app.requests.spacecraft import read_spacecraft_request
 from planner.spacecraft.plan import plan_imaging
 from planner.world.frames.time_scales import elapsed_s
 

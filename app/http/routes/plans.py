@@ -6,6 +6,7 @@ from app.http.routes.plan_routes import PlanResource
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.plan import PLAN_READER
+from app.requests.spacecraft import SPACECRAFT_READER
 from app.work.plan import (
     DryRunResponse,
     PlanResponse,
@@ -14,7 +15,6 @@ from app.work.plan import (
     try_plan,
 )
 from app.work.spacecraft import (
-    SPACECRAFT_READER,
     SpacecraftDryRunResponse,
     SpacecraftPlanResponse,
     listing_of_imaging,

@@ -47,6 +47,26 @@ class SlewRun:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SolverOut:
+    """The solution of the slews, all together and one by one.
+
+    backend: the methods, as `slew.method` names them.
+    status: quality of the slews, as `slews` states it.
+    iterations: of Ipopt.
+    wall_s: time it took to solve all slews.
+    slews: the solution of each slew.
+    stages_wall_s: time of each stage of the whole plan.
+    """
+
+    backend: str
+    status: str
+    iterations: Count
+    wall_s: NotNegative
+    slews: tuple[SlewRun, ...]
+    stages_wall_s: dict[str, NotNegative]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Plan(FlightPlan):
     """A command table with everything needed to trust it.
 
@@ -61,6 +81,17 @@ class Plan(FlightPlan):
     budgets: tuple[PointingBudget | None, ...]
     warnings: tuple[str, ...]
     stage_wall_s: dict[str, float]
+
+    @property
+    def solver(self) -> SolverOut:
+        return SolverOut(
+            backend=" ".join(dict.fromkeys(run.backend for run in self.slews)),
+            status=" ".join(dict.fromkeys(run.status for run in self.slews)),
+            iterations=sum(run.iterations for run in self.slews),
+            wall_s=sum(run.wall_s for run in self.slews),
+            slews=self.slews,
+            stages_wall_s=self.stage_wall_s,
+        )
 
     @property
     def probability_in_frame(self) -> float | None:
