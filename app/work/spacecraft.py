@@ -4,7 +4,7 @@ import json
 import zlib
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -23,9 +23,6 @@ from planner.base.rotation import Rotation, continuous
 from planner.spacecraft.found import SessionFound
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.world.frames.time_scales import utc_text
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, kw_only=True)
