@@ -100,9 +100,9 @@ CAMPAIGN = JobKind(
         "slews": 15,
         "choosing": 35,
         "mixing": 60,
-        "rounding": 65,
-        "exchanging": 72,
-        "bound": 75,
+        "bound": 65,
+        "rounding": 72,
+        "exchanging": 75,
         "proof": 78,  # nothing is left to prove, unless prices are of what resources allow
         "plans": 80,
     },

@@ -1,7 +1,6 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
@@ -224,18 +223,6 @@ def choose(
     return Search(networks, looking, first_unheld, options).found(tell, prove)
 
 
-def _telling(tell: Reporter, proof: "Future[float] | None") -> Reporter:
-    """With the bound, once that is proven."""
-
-    def told(
-        stage: str, done: int, of: int, /, *, value: float | None = None, bound: float | None = None
-    ) -> None:
-        bound = proof.result() if proof is not None and proof.done() else bound
-        tell(stage, done, of, value=value, bound=bound)
-
-    return told
-
-
 def choices_with_group(
     networks: Sequence[Network],
     looking: Looking,
@@ -313,20 +300,18 @@ class Search:
     def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
         """The choice, after all of the search.
 
-        prove: the bound at prices, told as soon as it is proven.
+        prove: the bound at prices, told as soon as these are found.
         """
         greedy_value, bound = self.begin(), np.inf
         self.take_groups()
         mixture = self.find_prices(tell)
-        with ThreadPoolExecutor(1) as beside:  # the linear programmes leave processors to it
-            proof = None if prove is None else beside.submit(prove, self.price)
-            if mixture is not None:
-                self.make_whole(mixture, _telling(tell, proof))
-                self.put_together(_telling(tell, proof))
-            if proof is not None:
-                tell("bound", 0, 1, value=self.value)
-                bound = proof.result()
-                tell("bound", 1, 1, value=self.value, bound=bound)
+        if prove is not None:
+            tell("bound", 0, 1, value=self.value)
+            bound = prove(self.price)
+            tell("bound", 1, 1, value=self.value, bound=bound)
+        if mixture is not None:
+            self.make_whole(mixture, tell)
+            self.put_together(tell)
         self.take_groups()
         self.fill_exactly(bound)
         return CampaignChoice(
