@@ -70,20 +70,24 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> I
         try:
             return _make_plan(request, tell)
         except SearchEnded:
-            raise _search_ended() from None
+            raise _search_ended(request) from None
         except (Unreachable, InfeasibleSlew) as why:
             tell("alternatives", 0, 1)
             with suppress(WorkLimitReached):
                 raise refusal_with_alternative(request, why, _is_found) from why
             raise
-    raise _search_ended()
+    raise _search_ended(request)
 
 
-def _search_ended() -> SearchEnded:
+def _search_ended(request: ImagingPlanRequest) -> SearchEnded:
+    easier = ["ask for fewer or smaller requests at a time"]
+    if request.objective == "minimum_time":
+        easier.append('for the objective "smooth"')
+    if any(request.settings.momentum_n_m_s):
+        easier.append("for less momentum in the gyros")
     return SearchEnded(
-        "what is asked of this session takes more work than may be done for it before any plan is "
-        'found; ask for fewer or smaller requests at a time, for the objective "smooth", or for '
-        "less momentum in the gyros",
+        "what is asked of this session takes more work than may be done for it before any plan "
+        f"is found; {', or '.join(easier)}",
         field="requests",
     )
 

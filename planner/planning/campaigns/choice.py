@@ -85,7 +85,8 @@ class ChoiceOptions:
     bound_labels_max: int = 16_000_000
     # of a pass, for each mixture; without, paths that may miss a better one bound nothing
     priced_labels_max: int = 0
-    exact_labels_max: int = 200_000  # to fill a pass once by its best path: a part of a second
+    # to fill a pass once by its best path: a part of a second, some seconds in a crowded one
+    exact_labels_max: int = 200_000
     pass_orders: int = 30_000  # of as many looks, where a pass is filled by the best order of them
     # of looks within all passes together, shared out evenly: a second for a million
     bound_orders_max: int = 1_000_000

@@ -33,8 +33,8 @@ def slew_time_s(start_axes: Array, end_axes: Array, limits: Array, sign: float) 
 def axes_fit(
     start_axes: Array, end_axes: Array, limits: Array, sign: float, available_s: float
 ) -> bool:
-    """Whether `slew_time_s` is at most available_s, told as soon as it is certain; with sign 1 and
-    whether each axis surely can take just so long, no gap in the way."""
+    """Whether `slew_time_s` is at most available_s, told as soon as it is certain; with sign 1
+    also whether each axis surely can take just so long, no gap in the way."""
     for axis in range(start_axes.shape[1]):
         start, end = start_axes[:, axis], end_axes[:, axis]
         if _axis_time_s(start, end, limits[axis], sign, available_s) > available_s:
