@@ -23,7 +23,7 @@ from planner.base.compiled import compiled, inlined
 NONE = -1
 WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a item that a visit makes
 BITS = 62  # of a word of a label's memory, which is signed
-LABELS_MAX = 4_000_000  # of a round; its value is no bound then
+LABELS_MAX = 4_000_000  # of a round, a minute; its value is no bound then
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class LabelMemory(NamedTuple):
 
     word, bit: of each item, 0 for those forgotten at once, (items,); visit_mask: the bits that
     outlast a visit to it, (items, w).  tick_mask: bits that mean something then, (ticks, w).
-    every, none: of the bits, (w,).
+    every, none: of the bits, (w,).  most: labels that a round may make where any are remembered.
     """
 
     word: Indices
@@ -64,6 +64,7 @@ class LabelMemory(NamedTuple):
     tick_mask: Indices
     every: Indices
     none: Indices
+    most: int
 
 
 class Visit(NamedTuple):
@@ -97,23 +98,20 @@ class Labels(NamedTuple):
 class Round(NamedTuple):
     """The best path as far as repeats are remembered.
 
-    value: no path that visits each item once is worth more, unless labels ran out.
+    value: no path that visits each item once is worth more, where labels didn't run out.
     visits: number and item of each, in order of time, (n, 2).
     """
 
     value: float
     visits: Indices
     labels: int
-
-    @property
-    def is_complete(self) -> bool:
-        return self.labels < LABELS_MAX
+    is_complete: bool
 
 
 Sweep = Callable[[LabelMemory], Round]
 
 
-def _memory(number: Indices, visit_mask: Indices, ticks: int) -> LabelMemory:
+def _memory(number: Indices, visit_mask: Indices, ticks: int, most: int) -> LabelMemory:
     """number: of each item's bit, NONE; no bit means anything at any tick yet."""
     words = visit_mask.shape[1]
     return LabelMemory(
@@ -123,6 +121,7 @@ def _memory(number: Indices, visit_mask: Indices, ticks: int) -> LabelMemory:
         tick_mask=np.zeros((ticks, words), np.int64),
         every=np.full(words, -1),
         none=np.zeros(words, np.int64),
+        most=most,
     )
 
 
@@ -153,10 +152,10 @@ class Repeats:
         for pair in pairs:
             self._remember(pair, slice(None))
 
-    def memory(self) -> LabelMemory:
+    def memory(self, most: int) -> LabelMemory:
         numbers = np.full(len(self._visit_mask), NONE)
         numbers[list(self._number)] = list(self._number.values())
-        memory = _memory(numbers, self._visit_mask.copy(), int(self._last.max()) + 1)
+        memory = _memory(numbers, self._visit_mask.copy(), int(self._last.max()) + 1, most)
         for item in self._number:
             seen = slice(self._first[item], self._last[item] + 1)
             memory.tick_mask[seen, memory.word[item]] |= memory.bit[item]
@@ -192,15 +191,18 @@ class Repeats:
 
 
 def rounds(
-    sweep: Sweep, repeats: Repeats, labels_max: int = OPTIONS.search_labels_max
+    sweep: Sweep,
+    repeats: Repeats,
+    labels_max: int = OPTIONS.search_labels_max,
+    round_max: int = LABELS_MAX,
 ) -> Iterator[Round]:
     """Ever tighter; the last one is without repeats unless labels ran out.
 
-    labels_max: of all rounds; no more are begun.
+    labels_max: of all rounds; no more are begun.  round_max: of one.
     """
     labels = 0
     while True:
-        found = sweep(repeats.memory())
+        found = sweep(repeats.memory(round_max))
         effort.count(OPTIONS.label * found.labels)
         labels += found.labels
         yield found
@@ -299,7 +301,7 @@ def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     # One at each is the best if none remember, and as many as make way for it are few.
     slots, most = places, max(LABELS_MAX, 100 * places)
     if memory.bit.any():
-        slots, most = LABELS_MAX, LABELS_MAX
+        slots, most = memory.most, memory.most
     words = len(memory.none)
     labels = Labels(
         first=np.full(places, NONE),
@@ -355,7 +357,7 @@ def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, m
 
 
 @compiled
-def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int]:
+def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int, bool]:
     """The best label from one place to before another, as a `Round`."""
     label = labels.label
     value, last = -np.inf, NONE
@@ -372,4 +374,4 @@ def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int]:
     k = last
     for row in range(count - 1, -1, -1):
         visits[row, 0], visits[row, 1], k = label[k].visit, label[k].item, label[k].before
-    return value, visits, labels.use[_MADE]
+    return value, visits, labels.use[_MADE], labels.use[_MADE] < labels.use[_MOST]

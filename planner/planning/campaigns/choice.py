@@ -85,7 +85,7 @@ class ChoiceOptions:
     bound_labels_max: int = 16_000_000
     # of a pass, for each mixture; without, paths that may miss a better one bound nothing
     priced_labels_max: int = 0
-    # to fill a pass once by its best path: a part of a second, some seconds in a crowded one
+    # of a pass, for all tries to fill it by its best path: half a second where it is crowded
     exact_labels_max: int = 200_000
     pass_orders: int = 30_000  # of as many looks, where a pass is filled by the best order of them
     # of looks within all passes together, shared out evenly: a second for a million
@@ -626,14 +626,18 @@ class Search:
         bound: where the choice is near it, passes without scans stay as they are.
         """
         tries, near = self._options.group_tries, (1.0 - self._options.gap_enough) * bound
+        most = self._options.bound_labels_max // max(len(self._networks), 1)
         for number, network in enumerate(self._networks):
             is_better = bool(network.scanned.any()) or self.value < near
+            labels = min(most, self._options.exact_labels_max)
             while is_better:
                 is_better = False
                 for out in self._exchanges(number):
                     tries -= len(out) > 0
-                    if not out or tries >= 0:
-                        is_better |= self._fill_exactly(number, out)
+                    if labels > 0 and (not out or tries >= 0):
+                        is_filled, made = self._fill_exactly(number, out, labels)
+                        is_better |= is_filled
+                        labels -= made
 
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
         """Groups that may be put into a pass or taken out of it: none, one, or one for another."""
@@ -655,8 +659,11 @@ class Search:
             for other in outside:
                 yield one, other
 
-    def _fill_exactly(self, number: int, exchanged: tuple[int, ...]) -> bool:
-        """Whether the choice got better by the pass's best path with these groups put in or out."""
+    def _fill_exactly(
+        self, number: int, exchanged: tuple[int, ...], labels_max: int
+    ) -> tuple[bool, int]:
+        """Whether the choice got better by the pass's best path with these groups put in or out,
+        and labels made."""
         looking, looks = self._looking, self.best[number]
         wanted = looking.looks_of([looks])
         for group in exchanged:
@@ -667,30 +674,28 @@ class Search:
         is_member = looking.group >= 0
         np.maximum.at(taken, looking.group[is_member], (others + wanted)[is_member])
         if (np.bincount(looking.way_to, taken) > looking.way_limit).any():
-            return False
+            return False, 0
         price = np.where(looking.look_limit > others, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
         network = self._networks[number]
         worth = looking.settled(looking.less_prices(price), number)
-        labels_max = self._options.bound_labels_max // len(self._networks)
-        labels_max = min(labels_max, self._options.exact_labels_max)
-        path = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
+        path, labels = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
         if path is None and network.scanned.any():
             path = ordered_path(network, worth, self._options.pass_orders)
         if path is None or self._first_unheld(path.looks) is not None:
-            return False
+            return False, labels
         seen = {one.target for one in path.looks}
         value = self.value + worth_of([path.looks]) - worth_of([looks])
         if value <= self.value + self._options.worthless:
-            return False
+            return False, labels
         if not set(np.flatnonzero(kept).tolist()) <= seen:
-            return False
+            return False, labels
         if not self.keeps(self.best, number, path.looks):
-            return False
+            return False, labels
         self.best = [*self.best[:number], path.looks, *self.best[number + 1 :]]
         self.value = value
-        return True
+        return True, labels
 
     def take_groups(self) -> None:
         """Groups, the most worth first, take the place of other looks, or other places."""

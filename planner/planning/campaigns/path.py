@@ -72,22 +72,27 @@ def best_path(network: Network, worth: Worth) -> Path:
     return _path_of(network, worth, value, visits)
 
 
-def exact_path(network: Network, worth: Worth, labels_max: int, kept: Sequence[int]) -> Path | None:
-    """The path worth most that looks at no target twice; None where it takes more labels.
+def exact_path(
+    network: Network, worth: Worth, labels_max: int, kept: Sequence[int]
+) -> tuple[Path | None, int]:
+    """The path worth most that looks at no target twice, and labels made; None where it takes more.
 
+    labels_max: of a round, and of those before the last one.
     kept: targets whose price makes them wanted at every turn.
     """
-    *_, found = rounds(
-        lambda memory: Round(*_sweep(network, worth, memory)),
-        _repeats(network, worth, kept),
-        labels_max,
+    made = list(
+        rounds(
+            lambda memory: Round(*_sweep(network, worth, memory)),
+            _repeats(network, worth, kept),
+            labels_max,
+            labels_max,
+        )
     )
-    if not found.is_complete:
-        return None
+    found, labels = made[-1], sum(one.labels for one in made)
     targets = found.visits[:, 1]
-    if len(np.unique(targets)) < len(targets):
-        return None
-    return _path_of(network, worth, found.value, found.visits)
+    if not found.is_complete or len(np.unique(targets)) < len(targets):
+        return None, labels
+    return _path_of(network, worth, found.value, found.visits), labels
 
 
 def _path_of(network: Network, worth: Worth, value: float, visits: Indices) -> Path:
@@ -316,7 +321,7 @@ def _leave(
 
 
 @compiled
-def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, Indices, int]:
+def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, Indices, int, bool]:
     """Places: on a way, by cell, first ready to look, then after a look; at rest, by step; at rest
     before all looks, and after them."""
     size, end = network.size, network.stop_step

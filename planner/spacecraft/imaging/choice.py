@@ -350,7 +350,7 @@ def _rounds(
 @compiled
 def _label_paths(
     imaging: Imaging, memory: LabelMemory, wait_ticks: int
-) -> tuple[float, Indices, int]:
+) -> tuple[float, Indices, int, bool]:
     """A `Round`.  Places: candidates, then idle instants; visits are numbered by candidate."""
     n = len(imaging.start_tick)
     end = int(imaging.stop_tick.max()) + imaging.reach_ticks + 2 * wait_ticks
@@ -367,8 +367,8 @@ def _label_paths(
         visit(labels, imaging.before[imaging.first[j] : imaging.first[j + 1]], j, memory, made)
         free = (imaging.stop_tick[j] + imaging.reach_ticks + wait_ticks - 1) // wait_ticks
         follow(labels, j, (n + free,), memory.every, False)
-    value, visits, count = best(labels, (0, n))
-    return max(value, 0.0), visits, count
+    value, visits, count, is_complete = best(labels, (0, n))
+    return max(value, 0.0), visits, count, is_complete
 
 
 def _without_repeats(imaging: Imaging, path: list[int]) -> tuple[float, list[int]]:
