@@ -21,6 +21,7 @@ from app.work.plan import plan_and_pack, stored_table_file
 from app.work.progress import report
 from app.work.result import Part, Result
 from planner.base.answer_members import member_names
+from planner.base.at_once import done_at_once
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import InvalidInput, Refusal
 from planner.base.reporting import tell_nobody
@@ -74,22 +75,57 @@ def carriers_apart(
         is_often = fewer_looks.sees_often(requests)
         all_looks = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
         find = fewer_looks.seen_by_carrier if is_often else all_looks
-        return [_share(carrier, find, one) for carrier, one in requests.items()]
+        return _shares(find, requests, [()] * len(requests))
     seen |= map(_unpacked, found[1:])
     kept = fewer_looks.looks_to_keep([one.views for one in seen.values()])
-    return [
-        _share(carrier, fewer_looks.kept_of_carrier, requests[carrier], one.packed_windows, own)
-        for (carrier, one), own in zip(seen.items(), kept, strict=True)
-    ]
+    own = zip((one.packed_windows for one in seen.values()), kept, strict=True)
+    return _shares(fewer_looks.kept_of_carrier, {one: requests[one] for one in seen}, own)
 
 
-def _share(carrier: str, find: Callable[..., object], *arguments: object) -> bytes:
-    return pickle.dumps((carrier, find, arguments))
+class _Packer(pickle.Pickler):
+    """Of a share; the targets, which carriers have in common, are packed by themselves."""
+
+    def __init__(self, file: io.BytesIO, common: Sequence[object]) -> None:
+        super().__init__(file)
+        self._common = {id(one): number for number, one in enumerate(common)}
+
+    def persistent_id(self, obj: object) -> int | None:
+        return self._common.get(id(obj))
+
+
+class _Unpacker(pickle.Unpickler):
+    """Of what `_Packer` packed."""
+
+    def __init__(self, packed: bytes, common: bytes) -> None:
+        super().__init__(io.BytesIO(packed))
+        self._common = pickle.loads(common)  # noqa: S301 (our own)
+
+    def persistent_load(self, pid: int) -> object:
+        return self._common[pid]
+
+
+def _shares(
+    find: Callable[..., object],
+    requests: Mapping[str, CampaignRequest],
+    more: Iterable[tuple[object, ...]],
+) -> list[bytes]:
+    """What `find_looks` is to find of each carrier: of its request and more."""
+    shares = []
+    packed: dict[tuple[int, ...], bytes] = {}
+    for (carrier, request), others in zip(requests.items(), more, strict=True):
+        common = request.targets, request.opportunities().targets
+        same = tuple(map(id, request.targets))
+        if same not in packed:
+            packed[same] = pickle.dumps(common)
+        own = io.BytesIO()
+        _Packer(own, common).dump((carrier, find, (request, *others)))
+        shares.append(pickle.dumps((own.getvalue(), packed[same])))
+    return shares
 
 
 def find_looks(packed: bytes) -> bytes:
     """Of one carrier, by `carriers_apart`; raises a Refusal."""
-    carrier, find, arguments = pickle.loads(packed)  # noqa: S301 (our own)
+    carrier, find, arguments = _Unpacker(*pickle.loads(packed)).load()  # noqa: S301 (our own)
     return zlib.compress(pickle.dumps((carrier, find(*arguments))), 1)
 
 
@@ -105,14 +141,15 @@ def choose(
 ) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal.
 
-    found: by `find_looks`, of every carrier or none; emptied, so that memory holds it once.
+    found: by `find_looks`, of every carrier or none; emptied.
     """
     from planner.planning.campaigns import choose_what_is_asked
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    found = found or []
-    looks = dict(_unpacked(found.pop(0)) for _ in range(len(found)))
+    looks = dict(done_at_once(_unpacked, found or ()))
+    if found:
+        found.clear()  # memory holds it once
     requests, campaign = choose_what_is_asked(request, report, looks)
     words = {"": document}
     asked = {target["id"]: target["target"] for target in document["targets"]}

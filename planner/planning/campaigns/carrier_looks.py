@@ -166,8 +166,14 @@ class CarrierLooks(CarrierWindows):
             at = ways.offset[look.way] + step - ways.first_step[look.way]
             row = None if one.scans else one.row
             followed.append(FollowedLook(row, start_s, start_s + length_s, ways.states[at]))
-        found = self.follower.first_unheld(self.carrier, followed)
+        found = self.follower.first_unheld(self.carrier, followed, self._followed_rows)
         return found and (found[0], math.floor((found[1] - self.grid_s) / step_s + 1e-9))
+
+    @functools.cached_property
+    def _followed_rows(self) -> Sequence[int]:
+        """Of targets that there is a way to follow, modes apart."""
+        ones = (self.candidates[number] for number in np.unique(self.ways.target).tolist())
+        return [one.row for one in ones if not one.scans]
 
     def has_windows(self, row: int) -> bool:
         """Whether a target is in view at all, or a mode, whose scans have reasons of their own."""

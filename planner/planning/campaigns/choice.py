@@ -195,8 +195,13 @@ class Looking:
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many observations each target gets, (targets,)."""
-        target = [one.target for looks in passes for one in looks]
+        target = [one for looks in passes for one in targets_of(looks)]
         return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
+
+
+def targets_of(looks: Sequence[Look]) -> list[int]:
+    """Of a pass, each once."""
+    return [one.target for one in looks]
 
 
 def worth_of(passes: Iterable[Sequence[Look]]) -> float:
@@ -407,7 +412,7 @@ class Search:
                     refused.add(proposals[place])
                 else:
                     passes[number], is_open[number] = looks, False
-                    left -= self._looking.looks_of([looks])
+                    left[targets_of(looks)] -= 1.0
                     allowed -= 1
             proposals = [
                 (number, looks)
@@ -554,13 +559,13 @@ class Search:
         passes = list(start)
         left = looking.look_limit - looking.looks_of(passes)
         for number in range(len(self._networks)):
-            left += looking.looks_of([passes[number]])
+            left[targets_of(passes[number])] += 1.0
             charged = self._charged(passes[number], np.where(left > 0.0, price, np.inf))
             path = self._fitting_path(number, looking.less_prices(charged), passes)
             own = sum(look.value - charged[look.target] for look in passes[number])
             if path.value > own + self._options.worthless:
                 passes[number] = path.looks
-            left -= looking.looks_of([passes[number]])
+            left[targets_of(passes[number])] -= 1.0
         return passes
 
     def _charged(self, looks: Sequence[Look], price: Array) -> Array:
@@ -627,17 +632,20 @@ class Search:
         """
         tries, near = self._options.group_tries, (1.0 - self._options.gap_enough) * bound
         most = self._options.bound_labels_max // max(len(self._networks), 1)
+        others = self._looking.looks_of(self.best)
         for number, network in enumerate(self._networks):
             is_better = bool(network.scanned.any()) or self.value < near
             labels = min(most, self._options.exact_labels_max)
+            others[targets_of(self.best[number])] -= 1.0
             while is_better:
                 is_better = False
                 for out in self._exchanges(number):
                     tries -= len(out) > 0
                     if labels > 0 and (not out or tries >= 0):
-                        is_filled, made = self._fill_exactly(number, out, labels)
+                        is_filled, made = self._fill_exactly(number, out, others, labels)
                         is_better |= is_filled
                         labels -= made
+            others[targets_of(self.best[number])] += 1.0
 
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
         """Groups that may be put into a pass or taken out of it: none, one, or one for another."""
@@ -660,16 +668,18 @@ class Search:
                 yield one, other
 
     def _fill_exactly(
-        self, number: int, exchanged: tuple[int, ...], labels_max: int
+        self, number: int, exchanged: tuple[int, ...], others: Array, labels_max: int
     ) -> tuple[bool, int]:
         """Whether the choice got better by the pass's best path with these groups put in or out,
-        and labels made."""
+        and labels made.
+
+        others: looks that each target gets in other passes, (targets,).
+        """
         looking, looks = self._looking, self.best[number]
         wanted = looking.looks_of([looks])
         for group in exchanged:
             members = looking.members(group)
             wanted[members] = 1.0 - wanted[members]
-        others = looking.looks_of(self.best) - looking.looks_of([looks])
         taken = np.zeros(looking.groups)
         is_member = looking.group >= 0
         np.maximum.at(taken, looking.group[is_member], (others + wanted)[is_member])

@@ -38,7 +38,6 @@ from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState
-from planner.world.targets import ImagingMode
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +137,7 @@ class BodyFollower:
         return _state(carrier, at_s, Rotation.from_quat(q_xyzw).inv(), np.zeros(6))
 
     def first_unheld(
-        self, carrier: Carrier, looks: Sequence[FollowedLook]
+        self, carrier: Carrier, looks: Sequence[FollowedLook], rows: Sequence[int]
     ) -> tuple[int, float] | None:
         """Of those whose roll is the nearest to the attitude before, of a pass's first look to the
         idle one, or that in which the campaign begins."""
@@ -149,7 +148,7 @@ class BodyFollower:
             before = self._lying(FollowedLook(None, 0.0, 0.0, self.start_state(carrier, 0.0)))
             before_s = 0.0
         for place, one in enumerate(looks):
-            seen = None if one.row is None else self._seen(carrier, one.row)
+            seen = None if one.row is None else self._seen(carrier, one.row, rows)
             if seen is not None and seen[0].roll == NEAREST:
                 tracking, sight, number = seen
                 idle = tracking.idle, tracking.idle_step_s, before_s
@@ -217,19 +216,15 @@ class BodyFollower:
             slew=replace(slew, lead=lead),
         )
 
-    def _seen(self, carrier: Carrier, row: int) -> tuple[Tracking, Sight, int]:
-        """How a target is looked at, with those that are seen alike, and its number among them."""
+    def _seen(self, carrier: Carrier, row: int, rows: Sequence[int]) -> tuple[Tracking, Sight, int]:
+        """How a target is looked at, with those of `rows` that are seen alike, and its number among
+        them."""
         if row not in self._seen_as:
-            targets = [
-                (row, wanted.opportunity)
-                for row, wanted in enumerate(self._request.targets)
-                if not isinstance(wanted.target, ImagingMode)
-            ]
-            number = np.arange(len(targets))
-            for found, sight, which in in_sights(number, [one for _, one in targets], carrier):
+            targets = [self._request.targets[one].opportunity for one in rows]
+            for found, sight, which in in_sights(np.arange(len(rows)), targets, carrier):
                 tracking = self._lookout.tracking(sight)
                 for n, own in zip(found.tolist(), which.tolist(), strict=True):
-                    self._seen_as[targets[n][0]] = tracking, sight, own
+                    self._seen_as[rows[n]] = tracking, sight, own
         return self._seen_as[row]
 
     def _lying(self, look: FollowedLook) -> tuple[Vector, Vector]:

@@ -89,10 +89,13 @@ class Follower(Protocol):
         ...
 
     def first_unheld(
-        self, carrier: Carrier, looks: Sequence[FollowedLook]
+        self, carrier: Carrier, looks: Sequence[FollowedLook], rows: Sequence[int]
     ) -> tuple[int, float] | None:
         """The first look of a pass that can't be held after those before it: its place, and the
-        last instant at which it is not."""
+        last instant at which it is not.
+
+        rows: of all targets that the carrier's looks may be at.
+        """
         ...
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:

@@ -103,7 +103,7 @@ class TwoAxisFollower:
         return self.rest_state(carrier, at_s)
 
     def first_unheld(
-        self, carrier: Carrier, looks: Sequence[FollowedLook]
+        self, carrier: Carrier, looks: Sequence[FollowedLook], rows: Sequence[int]
     ) -> tuple[int, float] | None:
         """None: a branch is followed alike, whatever came before."""
         return None
