@@ -27,6 +27,7 @@ import numpy as np
 from app.jobs.kinds import CAMPAIGN, CARRIERS
 from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import Stop, Task, run_here
+from app.requests.campaign import read_campaign_request
 from app.store.packed import unzip
 from app.work.progress import Progress
 from planner.world.orbits.tle import checksum
@@ -50,14 +51,15 @@ def main() -> None:
     watch = Watch(asked.lose)
     places = Places(take=lambda: True, leave=lambda: None, most=asked.workers - 1)
     sharing = Sharing(run_task=run_here, places=places, attempts=2)
-    task = Task(job_id="", bounds=CAMPAIGN.bounds, work=CAMPAIGN.work, arguments=(body, None))
     begins: dict[str, float] = {}
 
     def tell(progress: Progress) -> None:
         begins.setdefault(progress.stage, time.monotonic())
 
-    run_here(replace(task, work=len, arguments=(body,)), Stop())  # their server is warm, as ever
+    task = Task(job_id="", bounds=CAMPAIGN.bounds, work=len, arguments=(body,))
+    run_here(task, Stop())  # their server is warm, as ever
     begun = time.monotonic()
+    task = replace(task, work=CAMPAIGN.work, arguments=(body, read_campaign_request(body)))
     made = sharing.run(CARRIERS, task, Stop(), tell)
     ended = time.monotonic()
     told = json.loads(unzip(made.document))

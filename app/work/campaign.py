@@ -1,5 +1,6 @@
 """A child's work for a campaign: the choice, a plan request for each pass, and files of looks."""
 
+import gc
 import io
 import json
 import pickle
@@ -150,6 +151,7 @@ def choose(
     looks = dict(done_at_once(_unpacked, found or ()))
     if found:
         found.clear()  # memory holds it once
+        gc.freeze()  # all of it stays: looking for garbage there took a second each time
     requests, campaign = choose_what_is_asked(request, report, looks)
     words = {"": document}
     asked = {target["id"]: target["target"] for target in document["targets"]}

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 from planner.planning.campaigns.request import CampaignRequest, CampaignTarget
 from planner.planning.opportunities.scans import ModeScan
@@ -12,8 +11,7 @@ from planner.world.rules.registry import rules_of
 from planner.world.targets import ImagingMode, Target
 
 
-@dataclass(frozen=True, kw_only=True)
-class LookCandidate:
+class LookCandidate(NamedTuple):
     """A target, or a scan of an imaging mode, which stands for the middle of its line where it is
     looked up as a place.
 
@@ -27,7 +25,7 @@ class LookCandidate:
     scans: tuple[ModeScan, ...] = ()
     is_part: bool = False
 
-    @cached_property
+    @property
     def target(self) -> Target:
         """As a place."""
         if self.scans:
@@ -75,7 +73,7 @@ def candidates_of(
     since another carrier may need several for it.
     """
     found = [
-        LookCandidate(row=row, wanted=wanted)
+        LookCandidate(row, wanted)
         for row, wanted in enumerate(request.targets)
         if not isinstance(wanted.target, ImagingMode)
     ]
@@ -85,9 +83,7 @@ def candidates_of(
     for row, own in by_row.items():
         is_single = not modes_by_pass and all(scan.parts == 1 for scan in own)
         found += [
-            LookCandidate(
-                row=row, wanted=request.targets[row], scans=together, is_part=not is_single
-            )
+            LookCandidate(row, request.targets[row], together, not is_single)
             for together in ([tuple(own)] if is_single else [(scan,) for scan in own])
         ]
     return tuple(found)
