@@ -95,7 +95,7 @@ def test_the_service_flies_what_python_flies(flown):
     alone = fly_plan(make_plan(read_plan_request(json.dumps(LAS_VEGAS).encode())), 6, 3)
     told = flown.json()
     assert told["probability_in_frame"] == alone.in_frame.value
-    assert told["sessions"][0]["frames_held"] == pytest.approx(alone.sessions[0].held_share)
+    assert told["sessions"][0]["frames_held"] == pytest.approx(alone.sessions[0].frames_held)
     assert told["sessions"][0]["miss_m"] == pytest.approx(alone.sessions[0].miss_m, rel=1e-6)
     assert [one["cause"] for one in told["contributors"]] == [
         one.cause for one in alone.contributors

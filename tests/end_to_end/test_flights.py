@@ -280,7 +280,7 @@ def test_told_and_flown_probabilities_agree():
         squares += (flown.in_frame.value - told) ** 2 / (told * (1.0 - told) / runs)
         [one] = flown.sessions
         assert one.in_frame == flown.in_frame
-        assert 0.0 <= one.sharp_share <= one.held_share <= 1.0
+        assert 0.0 <= one.frames_sharp <= one.frames_held <= 1.0
     assert squares < 16.3
 
 

@@ -10,16 +10,11 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from app.answers.members import to_json, to_members
+from app.answers.members import to_members
 from app.requests.plan import read_plan_request
-from app.work.flights import (
-    PlanToFly,
-    flights_found,
-    flights_head,
-    packed_outcomes,
-    unpacked_outcomes,
-)
-from planner.inflight.flights.nominal import nominal_session
+from app.work.flights import flights_found, packed_outcomes, unpacked_outcomes
+from planner.inflight.flights.nominal import flights_as_planned, nominal_session
+from planner.inflight.flights.request import FlightsRequest
 from planner.inflight.flights.runs import fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.output.view import view_plan
@@ -82,10 +77,8 @@ def test_every_spacecraft_that_may_be_is_steady(plan, scene, runs):
 
 def told_of(plan, scene, runs):
     """As an answer tells it, the runs packed and read again."""
-    what = PlanToFly(plan_id="1", asked=b'{"runs": 6, "seed": 1}', request=b"", table_columns=b"")
-    head = to_members(flights_head(plan, [scene], what))
-    found = flights_found(head, [unpacked_outcomes(packed_outcomes(runs, 0))])
-    return json.loads(to_json(found))
+    head = to_members(flights_as_planned(plan, [scene], "1", FlightsRequest(runs=6, seed=1)))
+    return flights_found(head, [unpacked_outcomes(packed_outcomes(runs, 0))])
 
 
 def test_attitude_is_what_the_flown_rate_turns_it_to(scene):

@@ -44,7 +44,7 @@ def numbers(shown, flights):
         if member.name not in ("rate_error_rad_s", "gyros"):  # which two axes don't have
             yield member.name, getattr(shown, member.name)
     [one] = flights.sessions
-    yield from (("smear", one.smear_px), ("miss", one.miss_m), ("misses", one.miss_rad.edges_rad))
+    yield from (("smear", one.smear_px), ("miss", one.miss_m), ("misses", one.misses.edges_rad))
     for cause in flights.contributors:
         yield from ((f"{cause.cause} {name}", x) for name, x in vars(cause).items())
 

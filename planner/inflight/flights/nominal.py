@@ -1,6 +1,7 @@
-"""A session flown as planned: what its frames show, over time."""
+"""A session flown as planned: what its frames show, over time, and the head of its flights."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,15 +9,18 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.inflight.flights.frames import FARTHEST_RAD
 from planner.inflight.flights.outcomes import NominalSession
-from planner.inflight.flights.request import MovingObject
+from planner.inflight.flights.request import FlightsRequest, MovingObject
 from planner.inflight.flights.runs import fly_nominal
 from planner.inflight.flights.scene import SessionScene
+from planner.inflight.flights.summary import PlanFlights, SessionFlightsOut
 from planner.inflight.simulation.gyros.report import worst_of
 from planner.motion.pointing.frame import places_in_frame
+from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.plan import FlightPlan
 from planner.world.targets import EarthFixedTarget
 from planner.world.targets.ground_sample import sample_along_m
 
@@ -147,4 +151,40 @@ def nominal_session(scene: SessionScene, moving_object: MovingObject | None) -> 
         rate_error_rad_s=columns(rate_error_rad_s),
         gyros=worst_of(gyro_numbers[None]),
         saturated_s=saturated_s,
+    )
+
+
+def flights_as_planned(
+    plan: FlightPlan, scenes: Sequence[SessionScene], plan_id: str, asked: FlightsRequest
+) -> PlanFlights:
+    """What there is to tell before any disturbed run."""
+    sessions, warnings = [], []
+    for scene in scenes:
+        budget = mover_of(plan.scenario).budget(scene.ephemeris, plan.table, scene.number)
+        assert budget is not None  # of a target that can be seen
+        nominal = nominal_session(scene, asked.moving_object)
+        sessions.append(
+            SessionFlightsOut(
+                session=scene.number,
+                label=plan.scenario.sessions[scene.number].label,
+                budget_probability_in_frame=budget.probability_in_frame,
+                nominal=nominal,
+            )
+        )
+        saturated = zip(plan.scenario.platform.dof_names, nominal.saturated_s, strict=True)
+        warnings += [
+            f"session {scene.number + 1}: flown as planned, the drive of {axis} gives all its "
+            f"torque for {saturated_s:.1f} s and falls behind its table; raise its drive's "
+            "torque_reserve, or lower its friction or cable_tension_deg_s2, if the platform's are "
+            "other than assumed"
+            for axis, saturated_s in saturated
+            if saturated_s > 0.0
+        ]
+    return PlanFlights(
+        plan=plan_id,
+        runs=asked.runs,
+        seed=asked.seed,
+        epoch=utc_text(plan.table.epoch_utc, 1),
+        sessions=tuple(sessions),
+        warnings=tuple(warnings),
     )
