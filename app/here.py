@@ -352,10 +352,10 @@ def _flights(desk: Desk, work: LocalAsk) -> Kept:
 
 
 def _vertical(_: Desk, work: LocalAsk) -> bytes:
-    from app.work.horizon import estimate_json, read_estimate_request
+    from app.work.horizon import ESTIMATE_READER, estimate_json
 
     origin = provenance(datetime.now(UTC), work.body, *work.files)
-    return estimate_json(read_estimate_request(work.body), work.files, origin)
+    return estimate_json(ESTIMATE_READER.read(work.body), work.files, origin)
 
 
 def _comparison(desk: Desk, work: LocalAsk) -> bytes:

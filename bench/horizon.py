@@ -33,7 +33,8 @@ from horizon_cases import (
 from reproduction.lomaka_method import paper_nadir
 
 from estimator.check import Verdict
-from estimator.pipeline import VerticalEstimate, estimate_vertical
+from estimator.found import VerticalEstimate
+from estimator.pipeline import estimate_vertical
 from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor

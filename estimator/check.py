@@ -1,12 +1,15 @@
 """Agreement of the measured vertical with the planned attitude."""
 
 import math
+from datetime import datetime
 from enum import StrEnum
 
 import numpy as np
 
 from planner.base.answer_members import Angle, HalfTurn, Internal, Share, answer
 from planner.base.arrays import Array
+from planner.world.attitude.corrections import CorrectionOut
+from planner.world.frames.time_scales import utc_text
 
 INCONSISTENT_BELOW = 1e-3
 
@@ -46,6 +49,15 @@ class AttitudeCheck:
     def verdict(self) -> Verdict:
         ok = self.probability >= INCONSISTENT_BELOW
         return Verdict.CONSISTENT if ok else Verdict.INCONSISTENT
+
+    def correction(self, epoch_utc: datetime) -> CorrectionOut:
+        """As a plan's attitude takes it."""
+        covariance_deg2 = self.turn_covariance_rad2 * math.degrees(1.0) ** 2
+        return CorrectionOut(
+            epoch=utc_text(epoch_utc),
+            turn_body_deg=(np.round(np.degrees(self.turn_body_rad), 9) + 0.0).tolist(),
+            covariance_deg2=(np.round(covariance_deg2, 12) + 0.0).tolist(),
+        )
 
 
 def across_axes(nadir_body: Array) -> Array:

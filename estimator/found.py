@@ -1,10 +1,11 @@
 """Cameras' parts, views and a session's bias, as answers hold them."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
-from estimator.check import Verdict
+from estimator.check import AttitudeCheck, Verdict
 from estimator.errors import Reason
 from planner.base.answer_members import (
     AngleSize,
@@ -14,10 +15,12 @@ from planner.base.answer_members import (
     Member,
     Schema,
     Share,
+    Text,
     answer,
     written,
 )
 from planner.base.arrays import Array
+from planner.world.attitude.corrections import CorrectionOut
 from planner.world.frames.time_scales import Utc
 
 
@@ -30,6 +33,8 @@ class ToldWord(Member):
 
 ReasonWord = Annotated[Reason, ToldWord()]
 Turn = Annotated[float, Member("deg", 0.0, 360.0, decimals=9)]
+Direction = Annotated[Array, Member("", -1.0, 1.0, decimals=9)]
+Directions = Annotated[Array, Member("", -1.0, 1.0, decimals=9, axes=2)]
 AnglesBoth = Annotated[Array, Member("deg", decimals=9)]
 CovarianceDeg2 = Annotated[Array, Member("deg2", decimals=12, axes=2)]
 
@@ -57,6 +62,130 @@ class CameraReport:
     residual_px: Annotated[float, Member("", 0.0, decimals=4)] | None
     limb_px: Internal[Array]
     overlay_png: str | None = None
+
+
+@dataclass(frozen=True)
+class Nadir:
+    """One definition of nadir in body axes.
+
+    covariance_rad2: (2, 2) on the unit vectors `axes_body` (2, 3) across the nadir.
+    """
+
+    nadir_body: Array
+    axes_body: Array
+    covariance_rad2: Array
+
+    @property
+    def sigma_rad(self) -> float:
+        """Rms of the angle between this nadir and the true one."""
+        return float(np.sqrt(np.trace(self.covariance_rad2)))
+
+
+@answer
+class MeasuredNadir:
+    """Nadir as it is measured, or why it is not.
+
+    geocentric and geodetic: None when the verdict is `not_observable`, for `reason`.
+    Without a predicted attitude the limb measures geodetic nadir; the heading, and so geocentric
+    nadir up to 0.19 deg beside it, comes from the sunlight along the limb: to some 10 deg where
+    colour is kept pixel by pixel, hardly in grey.  The covariance holds what is left open.
+    """
+
+    verdict: Verdict
+    reason: ReasonWord | None = None
+    geocentric: Internal[Nadir | None] = None
+    geodetic: Internal[Nadir | None] = None
+
+    @property
+    def explanation(self) -> Text | None:
+        return self.reason and self.reason.value
+
+    @property
+    def nadir_body(self) -> Direction | None:
+        return self.geocentric.nadir_body if self.geocentric else None
+
+    @property
+    def nadir_geodetic_body(self) -> Direction | None:
+        return self.geodetic.nadir_body if self.geodetic else None
+
+    @property
+    def axes_body(self) -> Directions | None:
+        return self.geocentric.axes_body if self.geocentric else None
+
+    @property
+    def covariance_rad2(self) -> CovarianceDeg2 | None:
+        return self.geocentric.covariance_rad2 if self.geocentric else None
+
+    @property
+    def sigma_rad(self) -> AngleSize | None:
+        return self.geocentric.sigma_rad if self.geocentric else None
+
+    @property
+    def geodetic_axes_body(self) -> Directions | None:
+        return self.geodetic.axes_body if self.geodetic else None
+
+    @property
+    def geodetic_covariance_rad2(self) -> CovarianceDeg2 | None:
+        return self.geodetic.covariance_rad2 if self.geodetic else None
+
+    @property
+    def geodetic_sigma_rad(self) -> AngleSize | None:
+        return self.geodetic.sigma_rad if self.geodetic else None
+
+
+@answer
+class VerticalEstimate(MeasuredNadir):
+    """The answer to a HorizonRequest.
+
+    verdict: result of the check of the attitude by the images.
+    reason: the reason why nothing could be measured, as a word; null when it was. E.g.
+    `"no_horizon"`.
+    explanation: the reason in full; null when it was measured. E.g.
+    `"too little of the limb was found"`.
+    nadir_body: geocentric, a unit vector; null when the verdict is `not_observable`.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
+    `not_observable`.
+    axes_body: two unit vectors across geocentric nadir, along which its errors are given.
+    covariance_rad2: of geocentric nadir on `axes_body`.
+    sigma_rad: rms of geocentric nadir's angle to the true one.
+    geodetic_axes_body: two unit vectors across geodetic nadir, along which its errors are given.
+    geodetic_covariance_rad2: of geodetic nadir on `geodetic_axes_body`.
+    geodetic_sigma_rad: rms of geodetic nadir's angle to the true one.
+    limb_height_m: height of the limb above the ellipsoid that was reckoned with.
+    limb_height_sigma_m: its 1-sigma.
+    check: the measured nadir against the predicted one; null without a prediction.
+    correction: the same as `attitude.corrections` of a plan takes it; null without a prediction.
+    cameras: each one's part, in the request's order.
+    warnings: cautions to read before relying on it. E.g.
+    `["cameras left out: right"]`.
+    """
+
+    limb_height_m: Annotated[float, Member("km", decimals=3)] | None = None
+    limb_height_sigma_m: Annotated[float, Member("km", 0.0, decimals=3)] | None = None
+    check: AttitudeCheck | None = None
+    correction: CorrectionOut | None = None
+    cameras: tuple[CameraReport, ...]
+    warnings: tuple[str, ...] = ()
+
+
+@answer
+class PictureOut:
+    """A rendered picture and its truth.
+
+    image_png: the picture, a PNG in base64.
+    at_utc: time of the exposure; UTC.
+    position_itrf_m: of the camera, as an estimate's request takes it.
+    q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
+    nadir_body: geocentric, a unit vector.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector.
+    """
+
+    image_png: str
+    at_utc: Utc
+    position_itrf_m: Annotated[Array, Member("km", decimals=9)]
+    q_body_from_eci_xyzw: Annotated[Array, Member("", -1.0, 1.0, decimals=12)]
+    nadir_body: Direction
+    nadir_geodetic_body: Direction
 
 
 @answer

@@ -5,9 +5,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
-from estimator.found import CameraReport
+from estimator.found import CameraReport, VerticalEstimate
 from estimator.images import Pixels
-from estimator.pipeline import VerticalEstimate
 from planner.base.arrays import Array
 
 _MEASURED = (60, 255, 60)

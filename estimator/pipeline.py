@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
-from estimator.errors import InvalidCamera, Reason
-from estimator.found import CameraReport
+from estimator.check import Verdict, across_axes, check_attitude
+from estimator.errors import InvalidCamera
+from estimator.found import CameraReport, Nadir, VerticalEstimate
 from estimator.images import Pixels, blue_is_sharp, prepare
 from estimator.limb.geometry import Limb
 from estimator.nadir.fit import Doubt, Fit
@@ -20,44 +20,6 @@ from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
-
-
-@dataclass(frozen=True)
-class Nadir:
-    """One definition of nadir in body axes.
-
-    covariance_rad2: (2, 2) on the unit vectors `axes_body` (2, 3) across the nadir.
-    """
-
-    nadir_body: Array
-    axes_body: Array
-    covariance_rad2: Array
-
-    @property
-    def sigma_rad(self) -> float:
-        """Rms of the angle between this nadir and the true one."""
-        return float(np.sqrt(np.trace(self.covariance_rad2)))
-
-
-@dataclass(frozen=True, kw_only=True)
-class VerticalEstimate:
-    """The answer to a HorizonRequest.
-
-    geocentric and geodetic: None when the verdict is `not_observable`, for `reason`.
-    Without a predicted attitude the limb measures geodetic nadir; the heading, and so geocentric
-    nadir up to 0.19 deg beside it, comes from the sunlight along the limb: to some 10 deg where
-    colour is kept pixel by pixel, hardly in grey.  The covariance holds what is left open.
-    """
-
-    verdict: Verdict
-    reason: Reason | None = None
-    geocentric: Nadir | None = None
-    geodetic: Nadir | None = None
-    limb_height_m: float | None = None
-    limb_height_sigma_m: float | None = None
-    check: AttitudeCheck | None = None
-    cameras: tuple[CameraReport, ...]
-    warnings: tuple[str, ...] = ()
 
 
 def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> VerticalEstimate:
@@ -129,6 +91,7 @@ def _answer(horizon: SearchResult, request: HorizonRequest, search: Search) -> V
         limb_height_m=best.height_m,
         limb_height_sigma_m=float(np.sqrt(best.covariance_matrix[3, 3])),
         check=check,
+        correction=None if check is None else check.correction(request.epoch),
         cameras=cameras,
         warnings=_warnings(request, cameras, horizon.fits),
     )

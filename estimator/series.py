@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.check import INCONSISTENT_BELOW, Verdict, chance_of
-from estimator.found import SeriesReport
-from estimator.pipeline import VerticalEstimate
+from estimator.found import SeriesReport, VerticalEstimate
 
 
 def summarise_series(estimates: Sequence[VerticalEstimate], sigma_rad: float) -> SeriesReport:

@@ -8,17 +8,12 @@ from typing import Annotated
 
 from app.answers.members import ProvenanceOut, to_json
 from app.requests.json_reader import JsonReader
-from app.work.horizon import (
-    ATTITUDE_SIGMA_DEG,
-    Direction,
-    attitudes_at,
-    surroundings,
-)
+from app.work.horizon import ATTITUDE_SIGMA_DEG, attitudes_at, surroundings
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
-from estimator.found import ReasonWord, SeriesReport
+from estimator.found import Direction, ReasonWord, SeriesReport, VerticalEstimate
 from estimator.images import Pixels
-from estimator.pipeline import VerticalEstimate, estimate_vertical
+from estimator.pipeline import estimate_vertical
 from estimator.request import (
     Body,
     HorizonRequest,
@@ -175,13 +170,13 @@ def series_json(
 
 
 def _frame(request: HorizonRequest, estimate: VerticalEstimate) -> FrameNadir:
-    nadir, check = estimate.geocentric, estimate.check
+    check = estimate.check
     return FrameNadir(
         at_utc=request.epoch,
         verdict=estimate.verdict,
         reason=estimate.reason,
-        nadir_body=nadir.nadir_body if nadir else None,
-        sigma_rad=nadir.sigma_rad if nadir else None,
+        nadir_body=estimate.nadir_body,
+        sigma_rad=estimate.sigma_rad,
         along_rad=check.along_rad if check else None,
         across_rad=check.across_rad if check else None,
     )

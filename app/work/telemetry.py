@@ -11,7 +11,6 @@ import numpy as np
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
 from app.requests.json_reader import JsonReader, json_document
 from app.store.packed import unpack
-from app.work.horizon import CorrectionOut
 from app.work.plan import stored_plan
 from planner.base.answer_members import Member
 from planner.base.arrays import Array
@@ -24,7 +23,7 @@ from planner.inflight.telemetry.request import ComparisonRequest
 from planner.inflight.telemetry.samples import OPTIONS, Samples, read_csv, samples_of
 from planner.inflight.telemetry.table import write_comparison_csv
 from planner.output.export import Exporter
-from planner.world.attitude.corrections import AttitudeCorrection
+from planner.world.attitude.corrections import CorrectionOut
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import FlightPlan
 from planner.world.platforms import BodyPlatform, PlatformDefinition
@@ -189,14 +188,6 @@ def _clock(found: Estimate, assumes: str) -> ClockEstimate:
     return ClockEstimate(value=found.value, sigma=found.sigma, assumes=assumes)
 
 
-def _correction(correction: AttitudeCorrection) -> CorrectionOut:
-    return CorrectionOut(
-        epoch=utc_text(correction.epoch, 6),
-        turn_body_deg=list(correction.turn_body_deg),
-        covariance_deg2=[list(row) for row in correction.covariance_deg2],
-    )
-
-
 FILES: dict[str, "Exporter[Comparison]"] = {
     "csv": Exporter("plan and flight, sample by sample", "text/csv", ".csv", write_comparison_csv),
     "png": Exporter("plan and flight, drawn", "image/png", ".png", write_comparison_png),
@@ -262,7 +253,7 @@ def answer_json(
             inseparable=comparison.inseparable,
             axes={axis.name: axis for axis in comparison.axes},
             pointing=pointing,
-            corrections=[_correction(parts.correction) for parts in pointing],
+            corrections=[parts.correction.told for parts in pointing],
             parameters=found.parameters if found else (),
             platform=found.platform if found else None,
             warnings=comparison.notes,

@@ -32,12 +32,11 @@ from app.requests.examples import (
 )
 from app.requests.plan import PLAN_READER, read_plan_request
 from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
-from app.work.flights import FLIGHTS_READER, read_flights_request
+from app.work.flights import FLIGHTS_READER
 from app.work.horizon import (
     ESTIMATE_READER,
     PICTURE_READER,
     PREDICTION_READER,
-    read_estimate_request,
 )
 from app.work.horizon_series import _SESSION
 from app.work.searches import OPPORTUNITY_READER, read_opportunity_request
@@ -229,13 +228,13 @@ def _kinds() -> tuple[Asked, ...]:
               tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
                          "view": {}, "revises": _revised(d["start"])}
                     for d in _shown(CAMPAIGN_EXAMPLES))),
-        Asked("flights", read_flights_request, FLIGHTS_READER.json_schema(template),
+        Asked("flights", FLIGHTS_READER.read, FLIGHTS_READER.json_schema(template),
               _shown(FLIGHTS_EXAMPLES)),
         Asked("opportunities", read_opportunity_request,
               OPPORTUNITY_READER.json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
         Asked("spacecraft", read_spacecraft_request, SPACECRAFT_READER.json_schema(template),
               (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
-        Asked("estimate", read_estimate_request, ESTIMATE_READER.json_schema(template),
+        Asked("estimate", ESTIMATE_READER.read, ESTIMATE_READER.json_schema(template),
               (ESTIMATE_EXAMPLE | {"body": {}},)),
         Asked("prediction", PREDICTION_READER.read, PREDICTION_READER.json_schema(template),
               tuple(d | {"body": {}} for d in _shown(PREDICTION_EXAMPLES))),

@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
 from estimator.errors import InvalidImage
-from estimator.found import CameraReport
+from estimator.found import CameraReport, VerticalEstimate
 from estimator.images import decode_image, prepare
 from estimator.overlay import draw_overlay
-from estimator.pipeline import VerticalEstimate
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 

@@ -30,7 +30,6 @@ from app.work.horizon import (
     PICTURE_READER,
     PREDICTION_READER,
     EstimateResponse,
-    PictureOut,
     PredictionResponse,
     estimate_json,
     picture,
@@ -38,6 +37,7 @@ from app.work.horizon import (
     prediction_json,
 )
 from estimator.errors import InvalidImage
+from estimator.found import PictureOut
 from estimator.request import MAX_CAMERAS
 
 router = APIRouter(tags=["horizon"])

@@ -16,6 +16,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from planner.base.answer_members import Signed
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.spec import Within, spec
@@ -46,6 +47,21 @@ _VarianceDeg2 = Annotated[float, Within(-OPTIONS.variance_max_deg2, OPTIONS.vari
 _Row = tuple[_VarianceDeg2, _VarianceDeg2, _VarianceDeg2]
 
 
+@dataclass(frozen=True, kw_only=True)
+class CorrectionOut:
+    """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
+    takes it where the attitude predicted is that of its law.
+
+    epoch: time of the measurement; UTC.
+    turn_body_deg: the rotation vector from the predicted body to the measured one, body axes.
+    covariance_deg2: of its components; 180 deg about nadir, which was not measured.
+    """
+
+    epoch: str
+    turn_body_deg: list[Signed]
+    covariance_deg2: list[list[Signed]]
+
+
 @spec
 class AttitudeCorrection:
     """A measured difference of the body's attitude from the law's, the law without corrections.
@@ -73,6 +89,14 @@ class AttitudeCorrection:
                 "covariance_deg2 must be positive definite: its least eigenvalue is "
                 f"{least:.3g} deg2; no measurement is exact"
             )
+
+    @property
+    def told(self) -> CorrectionOut:
+        return CorrectionOut(
+            epoch=utc_text(self.epoch, 6),
+            turn_body_deg=list(self.turn_body_deg),
+            covariance_deg2=[list(row) for row in self.covariance_deg2],
+        )
 
 
 Corrections = Annotated[tuple[AttitudeCorrection, ...], Field(max_length=OPTIONS.corrections_max)]
