@@ -21,7 +21,7 @@ from planner.inflight.telemetry.alignment import (
 from planner.inflight.telemetry.clock import OPTIONS as CLOCK
 from planner.inflight.telemetry.clock import follows, require_followed, tell_clock, turned_to_plan
 from planner.inflight.telemetry.estimates import Estimate, Inseparable
-from planner.inflight.telemetry.findings import AxisComparison, SamplesUse
+from planner.inflight.telemetry.findings import AxisComparison, ComparisonFound, SamplesUse
 from planner.inflight.telemetry.following import (
     Followed,
     PlannedMotion,
@@ -37,6 +37,7 @@ from planner.inflight.telemetry.following import (
 from planner.inflight.telemetry.oscillations import Oscillation, oscillations, searched_hz
 from planner.inflight.telemetry.platforms.registry import sensors_of
 from planner.inflight.telemetry.platforms.sensors import PlatformSensors
+from planner.inflight.telemetry.request import ComparisonRequest
 from planner.inflight.telemetry.samples import OPTIONS as SAMPLES
 from planner.inflight.telemetry.samples import (
     CleanSamples,
@@ -87,6 +88,32 @@ class Comparison:
     inseparable: tuple[Inseparable, ...]
     axes: tuple[AxisComparison, ...]
     notes: tuple[str, ...]
+
+    def found(self, request: ComparisonRequest) -> ComparisonFound:
+        """With what was measured beside the axes, and the platform found; raises Refusals."""
+        sensors, alignment = self.sensors, self.alignment
+        pointing = sensors.pointing(self, request.corrections, request.image_offsets)
+        platform = sensors.found(self, request.identify)
+        assumes, common_s = sensors.assumes, alignment.common_offset_s
+        ideal_s, ideal_drift = self.ideal_clock or (None, None)
+        return ComparisonFound(
+            plan=request.plan,
+            name=self.plan.scenario.name,
+            epoch=utc_text(self.plan.table.epoch_utc, 1),
+            samples=self.samples,
+            time_offset_s=alignment.offset_s.if_so(assumes.earliest),
+            clock_drift=alignment.drift.if_so(assumes.earliest),
+            common_offset_s=common_s.if_so(assumes.equally_late) if common_s else None,
+            ideal_offset_s=ideal_s.if_so(assumes.ideal) if ideal_s else None,
+            ideal_drift=ideal_drift.if_so(assumes.ideal) if ideal_drift else None,
+            inseparable=self.inseparable,
+            axes={axis.name: axis for axis in self.axes},
+            pointing=pointing,
+            corrections=[parts.correction.told for parts in pointing],
+            parameters=platform.parameters if platform else (),
+            platform=platform.platform if platform else None,
+            warnings=self.notes,
+        )
 
 
 def compare(plan: FlightPlan, samples: Samples) -> Comparison:

@@ -26,6 +26,10 @@ class Estimate:
         value = round(factor * self.value, decimals) + 0.0  # no -0.0
         return replace(self, value=value, sigma=round(factor * self.sigma, decimals))
 
+    def if_so(self, assumes: str) -> "ClockEstimate":
+        """As an estimate of the clock under this condition."""
+        return ClockEstimate(value=self.value, sigma=self.sigma, assumes=assumes)
+
 
 @answer
 class ClockEstimate(Estimate):

@@ -1,9 +1,10 @@
 """Findings of a comparison as answers hold them: the use of the rows, and what each axis did."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from planner.base.answer_members import Count, Internal, Member, answer
-from planner.inflight.telemetry.estimates import Estimate
+from planner.inflight.telemetry.estimates import ClockEstimate, Estimate, Inseparable
 from planner.inflight.telemetry.following import (
     Basis,
     Exceeded,
@@ -15,15 +16,19 @@ from planner.inflight.telemetry.following import (
     Stretch,
 )
 from planner.inflight.telemetry.oscillations import Oscillation
-from planner.inflight.telemetry.platforms.sensors import ToldColumn
+from planner.inflight.telemetry.platforms.sensors import Parameter, PointingParts, ToldColumn
 from planner.inflight.telemetry.samples import Dropped
 from planner.inflight.telemetry.stick_slip import StickSlip
+from planner.world.attitude.corrections import CorrectionOut
 from planner.world.frames.time_scales import Utc
+from planner.world.platforms import BodyPlatform, PlatformDefinition
 
 Gain = Annotated[Estimate, Member(decimals=9)]
 Bias = Annotated[Estimate, Member("arcsec", decimals=6)]
 Noise = Annotated[Estimate, Member("arcsec", decimals=4)]
 Hertz = Annotated[float, Member(least=0.0, decimals=6)]
+Offset = Annotated[ClockEstimate, Member(decimals=9)]
+Drift = Annotated[ClockEstimate, Member(decimals=15)]
 
 
 @answer
@@ -121,3 +126,52 @@ class AxisComparison:
     stick_slip: tuple[StickSlip, ...]
     limits_exceeded: tuple[Exceeded, ...]
     limits_checked: tuple[Limit, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparisonFound:
+    """Telemetry beside the plan that was flown.
+
+    plan: id of the plan.
+    name: the plan's.
+    epoch: of the plan's table, from which the clock is counted; UTC.
+    samples: use of the rows: read, left out, compared.
+    time_offset_s: by how much the telemetry's clock is ahead at `epoch`: a time tag is the plan's
+    time, plus this, plus `clock_drift` times the seconds since `epoch`. Of the earlier axis: its
+    sigma holds that any may be late by what their difference leaves open.
+    clock_drift: by how much the telemetry's clock gains, a share of time.
+    common_offset_s: the same if all axes are equally late, as those of one make are; null where
+    they clearly aren't, or where one axis alone gives the time. E.g. `null`.
+    ideal_offset_s: the same if the axes do as they are told, but for a bias: sharper, as nothing
+    else is estimated beside it; null where the samples show friction, a lag or a gain.
+    ideal_drift: the drift likewise.
+    inseparable: estimates among clock, lags, gains and biases that the samples hardly tell apart.
+    axes: by the axis's name, those with samples.
+    pointing: pointing errors from corrections and image offsets.
+    corrections: of the attitude against its law, as `attitude.corrections` of the next request
+    takes them: measured ones given and those found of images. Angles of the axes alone say nothing
+    of the attitude: without either there are none.
+    parameters: of the platform, those asked for by `identify` and the least smooth rate of an axis
+    that stuck and slipped above it; of a body how far and how long its attitude wanders.
+    platform: as planned with, but for `parameters`, as `platform` of the next request takes it;
+    null where none was found. E.g. `null`.
+    warnings: cautions to read before relying on it. E.g.
+    `["there is no telemetry of beta"]`.
+    """
+
+    plan: str
+    name: str
+    epoch: str
+    samples: SamplesUse
+    time_offset_s: Offset
+    clock_drift: Drift
+    common_offset_s: Offset | None
+    ideal_offset_s: Offset | None
+    ideal_drift: Drift | None
+    inseparable: tuple[Inseparable, ...]
+    axes: dict[str, AxisComparison]
+    pointing: list[PointingParts]
+    corrections: list[CorrectionOut]
+    parameters: tuple[Parameter, ...]
+    platform: PlatformDefinition | BodyPlatform | None
+    warnings: tuple[str, ...]

@@ -8,12 +8,12 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.errors import InvalidInput
+from planner.base.errors import FieldError, InvalidInput, InvalidRequest
 from planner.base.spec import Within, spec
 from planner.inflight.telemetry.following import PlannedMotion, sensor_step
 from planner.world.frames.time_scales import (
@@ -126,6 +126,15 @@ class TelemetryColumn:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class SentSamples:
+    """Of JSON.  t_s: (n,), NaN for null; None where utc tells the time.  columns: (n,) each."""
+
+    t_s: Array | None
+    utc: tuple[str, ...]
+    columns: Mapping[str, Array]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Samples:
     """Rows in the order in which they came.
 
@@ -208,17 +217,56 @@ def read_csv(
     )
 
 
-def samples_of(
-    t_s: Array | None,
-    utc: Sequence[str],
-    value_by_name: Mapping[str, Array],
-    contract: ColumnContract,
-    since_utc: datetime,
-) -> Samples:
-    """Of JSON: columns by the contract's names, (n,) each; t_s: (n,), None where utc tells it."""
+def sent_samples(members: dict[str, Any]) -> SentSamples:
+    """Of a request's JSON, by the contract's names; raises InvalidRequest."""
+    if len(members) > (most := OPTIONS.json_columns_max):
+        raise _unreadable("samples", f"has {len(members)} columns; at most {most} are read")
+    times = [name for name in TIMES[:2] if members.get(name)]
+    if len(times) != 1:
+        raise _unreadable("samples.t_s", "is required, or utc instead: a time tag for each sample")
+    utc = members.pop("utc", None) or []
+    if not (isinstance(utc, list) and all(isinstance(text, str) for text in utc)):
+        raise _unreadable("samples.utc", "must be a list of texts such as 2015-02-27T17:36:20.000Z")
+    t_s = members.pop("t_s", None)
+    count = len(utc or t_s) if isinstance(utc or t_s, list) else 0
+    if count > OPTIONS.rows_max:
+        raise _unreadable(
+            f"samples.{times[0]}", f"has {count} tags; at most {OPTIONS.rows_max} are read"
+        )
+    columns = {name: _column(name, value) for name, value in members.items()}
+    for name, column in columns.items():
+        if len(column) != count:
+            raise _unreadable(
+                f"samples.{name}"[:80],
+                f"must have a value for each of the {count} time tags, null where there is none; "
+                f"it has {len(column)}",
+            )
+    return SentSamples(t_s=None if utc else _column("t_s", t_s), utc=tuple(utc), columns=columns)
+
+
+def _column(name: str, value: object) -> Array:
+    field = f"samples.{name}"[:80]
+    if not isinstance(value, list):
+        raise _unreadable(field, "must be a list of numbers, null where there is none")
+    kinds = {*map(type, value)}
+    if not kinds <= {int, float, type(None)}:
+        number = next(k for k, one in enumerate(value) if type(one) not in (int, float, type(None)))
+        raise _unreadable(f"{field}.{number}", "must be a number, or null where there is none")
+    try:
+        return np.array(value, dtype=np.float64)
+    except OverflowError:
+        raise _unreadable(field, "holds a whole number too large to be measured") from None
+
+
+def _unreadable(field: str, detail: str) -> InvalidRequest:
+    return InvalidRequest(FieldError(field=field, detail=detail))
+
+
+def samples_of(sent: SentSamples, contract: ColumnContract, since_utc: datetime) -> Samples:
+    """Columns by the contract's names."""
     columns: list[TelemetryColumn] = []
     seen: dict[tuple[int, Kind], str] = {}
-    for name, value in value_by_name.items():
+    for name, value in sent.columns.items():
         meaning = contract.meaning_of(name)
         if meaning is None:
             raise _fault(
@@ -232,8 +280,7 @@ def samples_of(
         columns.append(TelemetryColumn(name=name, meaning=meaning, value=value))
     if not columns:
         raise _fault(*contract.first)
-    if t_s is None:
-        t_s = utc_seconds(utc, since_utc)
+    t_s = utc_seconds(sent.utc, since_utc) if sent.t_s is None else sent.t_s
     return Samples(epoch_utc=since_utc, t_s=t_s, columns=tuple(columns))
 
 
