@@ -43,16 +43,11 @@ _PROBLEM = TypeAdapter(Problem)
 
 
 def job_out(job: Job) -> JobResponse:
-    return JobResponse(**job_members(job))
-
-
-def job_members(job: Job) -> dict[str, Any]:
-    """What answers that tell more have of a job as it stands."""
     members = {name: getattr(job, name) for name in Job.__dataclass_fields__}
     if job.problem is not None:
         told = {**job.problem, "instance": f"urn:uuid:{job.id}"}
         members["problem"] = _PROBLEM.validate_python(told)
-    return members
+    return JobResponse(**members)
 
 
 def job_json(job: Job) -> bytes:

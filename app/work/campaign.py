@@ -1,4 +1,4 @@
-"""A child's work for a campaign: the choice, a plan request for each pass, and files of looks."""
+"""Campaigns: the choice, a plan request for each pass, the answers, and files of looks."""
 
 import gc
 import io
@@ -13,15 +13,19 @@ from datetime import datetime
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from app.answers.job import JobResponse, job_out
 from app.answers.members import to_json, to_members
+from app.answers.problem import Problem
+from app.ids import JobState
 from app.requests.campaign import read_campaign_request
 from app.requests.json_reader import json_document, json_fields
 from app.requests.plan import read_plan_request, write_plan_request
-from app.store.job import Listing
+from app.store.job import Job, Listing
+from app.store.packed import unzip
 from app.work.plan import plan_and_pack, stored_table_file
 from app.work.progress import report
 from app.work.result import Part, Result
-from planner.base.answer_members import member_names
+from planner.base.answer_members import Count, NotNegative, answer, member_names
 from planner.base.at_once import done_at_once
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import InvalidInput, Refusal
@@ -32,7 +36,8 @@ from planner.output.export.map_features import MapFeature, PlanMap
 from planner.output.export.plan_map import target_features
 from planner.planning.campaigns import CampaignRequest, FleetRequest
 from planner.planning.campaigns.chosen import ChosenLook
-from planner.planning.campaigns.told import told_of
+from planner.planning.campaigns.revision import PassResources
+from planner.planning.campaigns.told import CampaignChoiceOut, FleetChoiceOut, told_of
 from planner.world.frames.time_scales import utc_from_text, utc_text
 
 if TYPE_CHECKING:
@@ -44,6 +49,105 @@ CSV = "text/csv"
 _ARCHIVE = "application/zip"
 _MAPS = {"application/geo+json": geojson_of, "application/vnd.google-earth.kml+xml": kml_of}
 SUFFIXES = dict(zip((CSV, *_MAPS, _ARCHIVE), (".csv", ".geojson", ".kml", ".zip"), strict=True))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LookLeftOut:
+    """A look that planning refused, and why.
+
+    target: id of the target, as the request gives it. E.g. `"Denver"`.
+    because: the refusal's reason. E.g. `"alpha needs 2.500 s to slew but only 1.000 s remain"`.
+    """
+
+    target: str
+    because: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignPassOut:
+    """Looks planned together: from rest at `start` to rest at `stop`.
+
+    number: from 0, in order of time; of a revision after that of the passes that stay. E.g. `1`.
+    plan: id of its plan, GET /v1/plans/{id}. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    state: state of the work on that plan.
+    start: row 0 of its table; UTC. E.g. `"2015-02-27T17:32:46.000Z"`.
+    stop: last row of its table; UTC. E.g. `"2015-02-27T17:38:08.000Z"`.
+    resources: levels as it starts and as it stops; null without any.
+    looks: those chosen for this pass.
+    left_out: looks that could not be flown; a plan without them took the place of the one that was
+    refused.
+    problem: the reason why there is no plan; null when there is one or may be.
+    """
+
+    number: Count
+    plan: str
+    state: JobState
+    start: str
+    stop: str
+    resources: PassResources | None
+    looks: list[ChosenLook]
+    left_out: list[LookLeftOut]
+    problem: Problem | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FleetPassOut(CampaignPassOut):
+    """Looks of one of several carriers planned together.
+
+    carrier: id of the carrier that flies it. E.g. `"north"`.
+    """
+
+    carrier: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedOut:
+    """Progress of the passes' plans.
+
+    done: passes with a verified plan.
+    open: passes that wait or are being planned.
+    refused: passes that can't be flown.
+    failed: passes whose planning broke down.
+    cancelled: passes that were given up on request.
+    looks: in plans that are made.
+    value: of the looks in plans that are made.
+    """
+
+    done: Count
+    open: Count
+    refused: Count
+    failed: Count
+    cancelled: Count
+    looks: Count
+    value: NotNegative
+
+
+@answer
+class CampaignResponse(JobResponse):
+    """A campaign as it stands.
+
+    choice: the looks chosen; null until they are.
+    planned: progress of the passes' plans.
+    passes: those with looks, in order of time.
+    """
+
+    choice: CampaignChoiceOut | FleetChoiceOut | None
+    planned: PlannedOut
+    passes: list[FleetPassOut | CampaignPassOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignDryRun:
+    """The request is well formed; whether anything can be seen was not looked at.
+
+    valid: always true; what isn't is refused.
+    name: the request's.
+    targets: number of targets.
+    """
+
+    valid: bool
+    name: str
+    targets: Count
 
 
 def may_be_shared(body: bytes) -> bool:
@@ -302,6 +406,45 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
         request=json.dumps(request).encode(),
         listing=_listing(part.listing.platform, kept),
         facts={**part.facts, "looks": kept, "left_out": [*part.facts["left_out"], left_out]},
+    )
+
+
+def campaign_json(job: Job, document: bytes | None, parts: Sequence[Job]) -> bytes:
+    """A CampaignResponse as UTF-8 JSON.
+
+    document: what was chosen, None before.  parts: all plans of its passes, the oldest first.
+    """
+    latest = {part.options["campaign"]["pass"]: part for part in parts}
+    by_number = [latest[number] for number in sorted(latest)]
+    return to_json(
+        to_members(job_out(job))
+        | {
+            "choice": None if document is None else json.loads(unzip(document)),
+            "planned": to_members(_planned_out(by_number)),
+            "passes": [_pass_members(part) for part in by_number],
+        }
+    )
+
+
+def _pass_members(part: Job) -> dict[str, Any]:
+    facts, job = part.options["campaign"], to_members(job_out(part))
+    told = {"resources": None, **facts, "number": facts["pass"], "plan": part.id}
+    told |= {name: job[name] for name in ("state", "problem")}
+    return {name: told[name] for name in FleetPassOut.__dataclass_fields__ if name in told}
+
+
+def _planned_out(parts: Sequence[Job]) -> PlannedOut:
+    states = [one.state for one in parts]
+    made = [one.options["campaign"]["looks"] for one in parts if one.state == "done"]
+    values = [look["value"] for looks in made for look in looks]
+    return PlannedOut(
+        done=states.count("done"),
+        open=states.count("queued") + states.count("running"),
+        refused=states.count("refused"),
+        failed=states.count("failed"),
+        cancelled=states.count("cancelled"),
+        looks=len(values),
+        value=sum(values, 0.0),
     )
 
 

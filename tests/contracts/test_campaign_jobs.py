@@ -12,7 +12,6 @@ import pytest
 from child_work import Notes, die, die_once, find_looks_once, hang, made, refuse_by
 from waiting import alive, eventually
 
-from app.answers.campaign import campaign_json
 from app.ids import new_id
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
@@ -22,7 +21,7 @@ from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, results
 from app.store.jobs import NewJob
 from app.store.packed import unzip
-from app.work.campaign import carriers_apart, choose, find_looks, without_refused
+from app.work.campaign import campaign_json, carriers_apart, choose, find_looks, without_refused
 from app.work.plan import plan_and_pack
 from planner.base.errors import InvalidInput, Unreachable
 from planner.planning.campaigns import fleet

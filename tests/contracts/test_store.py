@@ -20,7 +20,6 @@ from job_cases import new_job
 from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
-from app.answers.campaign import campaign_json
 from app.ids import is_id, new_id
 from app.jobs.job_completion import settle
 from app.store import audit, events, jobs, migrate, models, plans, results
@@ -30,6 +29,7 @@ from app.store.migrate import open_migrated, upgrade
 from app.store.models import JobRow, PlainString, ResultRow
 from app.store.packed import PackedColumns, pack, unpack
 from app.store.unavailable import StoreDamaged, StoreUnavailable
+from app.work.campaign import campaign_json
 from planner.base.errors import InvalidInput
 
 KINDS, NOTE = ("note",), TRIED["note"]

@@ -10,7 +10,6 @@ import pytest
 from databases import fresh_database
 from typer.testing import CliRunner
 
-from app.answers.campaign import campaign_json
 from app.cli import main
 from app.ids import new_id
 from app.jobs.job_completion import settle
@@ -19,7 +18,7 @@ from app.requests.campaign import FLEET_READER, read_campaign_request
 from app.requests.plan import read_plan_request
 from app.store import jobs, results
 from app.store.jobs import NewJob
-from app.work.campaign import choose
+from app.work.campaign import campaign_json, choose
 from app.work.searches import listing_of_search
 from planner.base.errors import InvalidRequest
 from planner.planning.campaigns import choose_campaign

@@ -9,7 +9,6 @@ import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
 from sqlalchemy import Connection
 
-from app.answers.campaign import CampaignDryRun, CampaignResponse, campaign_json
 from app.answers.job import list_class
 from app.answers.members import to_json
 from app.http.blocking import EXPORT_BOUNDS, database_of, in_child, read
@@ -28,8 +27,11 @@ from app.store.job import Job
 from app.store.packed import unzip
 from app.work.campaign import (
     SUFFIXES,
+    CampaignDryRun,
+    CampaignResponse,
     MadePass,
     campaign_file,
+    campaign_json,
     plans_that_stay,
     require_both,
     revised,
