@@ -190,7 +190,7 @@ class AskedOrder(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Product:
+class OfferedProduct:
     """A product; carrier: members of any request of it, in the operator's words."""
 
     spec: StapiProduct
@@ -252,7 +252,7 @@ def require_package() -> None:
         raise InvalidInput(detail, field=SETTING)
 
 
-def read_products(file: Path) -> tuple[StapiProducts, Mapping[str, Product]]:
+def read_products(file: Path) -> tuple[StapiProducts, Mapping[str, OfferedProduct]]:
     """As an operator wrote them; raises InvalidInput with the setting that names the file."""
     try:
         body = file.read_bytes()
@@ -265,7 +265,7 @@ def read_products(file: Path) -> tuple[StapiProducts, Mapping[str, Product]]:
     products = {}
     for one, words in zip(found.products, document["products"], strict=True):
         given = {"platform", "orbit", "attitude"} & words.keys()
-        products[one.id] = Product(one, {name: words[name] for name in sorted(given)})
+        products[one.id] = OfferedProduct(one, {name: words[name] for name in sorted(given)})
     return found, products
 
 
