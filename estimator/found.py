@@ -8,6 +8,7 @@ import numpy as np
 from estimator.check import AttitudeCheck, Verdict
 from estimator.errors import Reason
 from planner.base.answer_members import (
+    Angle,
     AngleSize,
     Count,
     HalfTurn,
@@ -248,6 +249,19 @@ class HorizonCheck:
     reason: ReasonWord | None
     explanation: str | None
     views: tuple[HorizonView, ...]
+
+
+@answer
+class FrameNadir:
+    """One frame; along and across as in an estimate's `check`, null where it has none."""
+
+    at_utc: Utc
+    verdict: Verdict
+    reason: ReasonWord | None
+    nadir_body: Direction | None
+    sigma_rad: AngleSize | None
+    along_rad: Angle | None
+    across_rad: Angle | None
 
 
 @answer

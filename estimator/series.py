@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.check import INCONSISTENT_BELOW, Verdict, chance_of
-from estimator.found import SeriesReport, VerticalEstimate
+from estimator.found import FrameNadir, SeriesReport, VerticalEstimate
+from estimator.request import HorizonRequest
 
 
 def summarise_series(estimates: Sequence[VerticalEstimate], sigma_rad: float) -> SeriesReport:
@@ -39,4 +40,17 @@ def summarise_series(estimates: Sequence[VerticalEstimate], sigma_rad: float) ->
         covariance_rad2=covariance_rad2,
         scatter_rad=np.sqrt(weight @ (off_rad - bias_rad) ** 2),
         probability=probability,
+    )
+
+
+def frame_nadir(request: HorizonRequest, estimate: VerticalEstimate) -> FrameNadir:
+    check = estimate.check
+    return FrameNadir(
+        at_utc=request.epoch,
+        verdict=estimate.verdict,
+        reason=estimate.reason,
+        nadir_body=estimate.nadir_body,
+        sigma_rad=estimate.sigma_rad,
+        along_rad=check.along_rad if check else None,
+        across_rad=check.across_rad if check else None,
     )

@@ -17,7 +17,7 @@ from app.cli.report_parts import print_rows, print_warnings
 from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from app.work.horizon_series import HorizonFrames, HorizonSession
+    from app.work.horizon import HorizonFrames, HorizonSession
     from estimator.images import Pixels
 
 _STYLES = {"inconsistent": "red", "not_observable": "yellow"}
@@ -47,7 +47,7 @@ def horizon(
         body = request.read_bytes()
         import cv2
 
-        from app.work.horizon_series import read_series
+        from app.work.horizon import read_series
 
         series = read_series(body)
         cv2.setNumThreads(1)  # a frame is too small to share
@@ -96,7 +96,7 @@ def measure_frames(
 ) -> Members:
     """A series of frames, or videos."""
     from app.answers.members import provenance
-    from app.work import horizon_series as series
+    from app.work import horizon as series
     from app.work.progress import Progress
     from estimator.errors import InvalidImage
     from estimator.images import decode_image

@@ -1,6 +1,8 @@
-"""Images of the horizon and predicted views: the requests, the measurement, and the answers."""
+"""Images of the horizon, one or a series, and predicted views: requests, measurement, answers."""
 
 import base64
+import json
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -15,10 +17,23 @@ from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
 from estimator.errors import InvalidCamera
-from estimator.found import HorizonCheck, HorizonView, PictureOut, VerticalEstimate
+from estimator.found import (
+    FrameNadir,
+    HorizonCheck,
+    HorizonView,
+    PictureOut,
+    SeriesReport,
+    VerticalEstimate,
+)
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
-from estimator.request import Body, HorizonRequest, Position, require_cameras
+from estimator.request import (
+    Body,
+    HorizonRequest,
+    Position,
+    PredictedAttitude,
+    require_cameras,
+)
 from estimator.surroundings import Surroundings
 from planner.base.answer_members import answer
 from planner.base.arrays import Array
@@ -47,6 +62,7 @@ ATTITUDE_SIGMA_DEG = 0.5
 PICTURE_PIXELS_MAX = 4_200_000
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
+FRAMES_MAX = 10_000
 SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
 
 
@@ -105,9 +121,65 @@ class PictureRequest:
             )
 
 
+@spec
+class HorizonSession:
+    """Frames taken every step_s from `start` by the cameras of one carrier.
+
+    attitude: the planned one, to be checked; attitude_sigma_deg: its 1-sigma error about each
+    axis.
+    """
+
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    attitude_sigma_deg: Annotated[float, Within(0.0, 180.0)] = ATTITUDE_SIGMA_DEG
+    cameras: tuple[HorizonCamera, ...]
+    body: Body = Body()
+    start: datetime
+    step_s: Annotated[float, Within(1e-3, 86400.0)]
+
+    def __post_init__(self) -> None:
+        require_cameras("cameras", self.cameras)
+
+    def requests(self, count: int) -> tuple[HorizonRequest, ...]:
+        """The requests for the first `count` frames; raises OutsideCoverage."""
+        moments = [shifted_utc(self.start, k * self.step_s) for k in range(count)]
+        r_sat_eci_m, q_body_from_eci, _ = attitudes_at(
+            self.orbit, self.attitude.q_body_from_eci, moments
+        )
+        requests = []
+        for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci.as_quat(), strict=True):
+            around = surroundings(moment, r_m, self.cameras, self.body)
+            x, y, z = (around.limb.r_itrf_m / 1e3).tolist()
+            requests.append(
+                HorizonRequest(
+                    epoch=moment,
+                    position=Position(frame="ITRF", position_km=(x, y, z)),
+                    cameras=self.cameras,
+                    body=self.body,
+                    predicted=PredictedAttitude(
+                        q_body_from_eci_xyzw=tuple(q.tolist()), sigma_deg=self.attitude_sigma_deg
+                    ),
+                )
+            )
+        return tuple(requests)
+
+
+@spec
+class HorizonFrames:
+    """Frames one by one, each as for an estimate."""
+
+    frames: tuple[HorizonRequest, ...]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.frames) <= FRAMES_MAX:
+            raise ValueError(f"frames must hold 1 to {FRAMES_MAX} of them, not {len(self.frames)}")
+
+
 ESTIMATE_READER = JsonReader(HorizonRequest)
 PREDICTION_READER = JsonReader(PredictionRequest)
 PICTURE_READER = JsonReader(PictureRequest)
+SESSION_READER = JsonReader(HorizonSession)
+FRAMES_READER = JsonReader(HorizonFrames)
 
 
 @answer
@@ -116,6 +188,14 @@ class EstimateResponse(VerticalEstimate):
 
     __pydantic_config__ = BUILT_ON_FIRST_USE
 
+    provenance: ProvenanceOut
+
+
+@answer
+class SeriesResponse(SeriesReport):
+    """The nadir over a session."""
+
+    frames: tuple[FrameNadir, ...]
     provenance: ProvenanceOut
 
 
@@ -337,3 +417,63 @@ def _expected_px(request: HorizonRequest, camera: HorizonCamera) -> np.ndarray |
     around = Surroundings(request.epoch, request.position, request.body)
     q_body_from_eci = Rotation.from_quat(request.predicted.q_body_from_eci_xyzw)
     return predict_horizon(camera, around, q_body_from_eci).limb_px
+
+
+def read_series(body: bytes) -> HorizonSession | HorizonFrames | None:
+    """A session, a list of frames, or None where the text is the request for one estimate."""
+    try:
+        document = json.loads(body)
+    except (ValueError, RecursionError):
+        return None
+    if isinstance(document, list):
+        return FRAMES_READER.read(b'{"frames": ' + body + b"}")
+    if isinstance(document, dict) and "frames" in document:
+        return FRAMES_READER.read(body)
+    if isinstance(document, dict) and "orbit" in document:
+        return SESSION_READER.read(body)
+    return None
+
+
+def frame_requests(
+    source: HorizonSession | HorizonFrames, images: int
+) -> tuple[HorizonRequest, ...]:
+    """One request per frame for so many images; raises InvalidInput when they don't come out."""
+    if isinstance(source, HorizonFrames):
+        needed = sum(len(request.cameras) for request in source.frames)
+        if needed != images:
+            raise InvalidInput(
+                f"{images} images for frames that need {needed}; send each frame's in the "
+                "cameras' order, frame after frame",
+                field="frames",
+            )
+        return source.frames
+    count, rest = divmod(images, len(source.cameras))
+    if rest or not 1 <= count <= FRAMES_MAX:
+        raise InvalidInput(
+            f"{images} images don't come out for {len(source.cameras)} cameras; send each frame's "
+            f"in the cameras' order, up to {FRAMES_MAX} frames",
+            field="cameras",
+        )
+    return source.requests(count)
+
+
+def series_json(
+    requests: Sequence[HorizonRequest],
+    frames: Iterator[Sequence["Pixels"]],
+    provenance: ProvenanceOut,
+) -> bytes:
+    """One estimate per frame, and what they tell; frames: a picture each, in the cameras' order."""
+    from estimator.pipeline import estimate_vertical
+    from estimator.series import frame_nadir, summarise_series
+
+    estimates = tuple(
+        estimate_vertical(images, request) for request, images in zip(requests, frames, strict=True)
+    )
+    sigma_deg = max((r.predicted.sigma_deg for r in requests if r.predicted), default=0.0)
+    return to_json(
+        SeriesResponse(
+            **vars(summarise_series(estimates, math.radians(sigma_deg))),
+            frames=tuple(map(frame_nadir, requests, estimates)),
+            provenance=provenance,
+        )
+    )

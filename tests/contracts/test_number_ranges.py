@@ -37,8 +37,8 @@ from app.work.horizon import (
     ESTIMATE_READER,
     PICTURE_READER,
     PREDICTION_READER,
+    SESSION_READER,
 )
-from app.work.horizon_series import _SESSION
 from app.work.searches import OPPORTUNITY_READER, read_opportunity_request
 from planner.base.errors import InvalidInput, InvalidRequest
 
@@ -241,7 +241,7 @@ def _kinds() -> tuple[Asked, ...]:
         Asked("picture", PICTURE_READER.read, PICTURE_READER.json_schema(template),
               tuple(d | {"scene": {"atmosphere": {}}, "sensor": {}}
                     for d in _shown(PICTURE_EXAMPLES))),
-        Asked("series", _SESSION.read, _SESSION.json_schema(template),
+        Asked("series", SESSION_READER.read, SESSION_READER.json_schema(template),
               (SESSION_EXAMPLE | {"body": {}},)),
     )  # fmt: skip
 
