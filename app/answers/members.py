@@ -42,11 +42,6 @@ def _adapter(kind: type) -> TypeAdapter[object]:
     return TypeAdapter(kind)
 
 
-def utc_or_none(moment_utc: datetime | None) -> str | None:
-    """As text to the millisecond."""
-    return None if moment_utc is None else utc_text(moment_utc)
-
-
 @dataclass(frozen=True, kw_only=True)
 class ProvenanceOut:
     """The basis of an answer.

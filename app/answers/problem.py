@@ -6,9 +6,9 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import Field
 
-from app.answers.members import utc_or_none
 from planner.base.answer_members import Count
 from planner.base.errors import FieldError, Refusal, Relaxation
+from planner.world.frames.time_scales import utc_text
 
 TYPE_PREFIX = "urn:slewtrack:problem:"
 _TEXT_MAX = 2000
@@ -65,6 +65,8 @@ class Problem:
 
 def problem_of(refusal: Refusal) -> dict[str, Any]:
     """A problem's members, but for the instance."""
+    times = ("at", "earliest_feasible_start", "feasible_stop")
+    times_utc = {name: getattr(refusal, f"{name}_utc") for name in times}
     members = {
         "type": TYPE_PREFIX + refusal.slug,
         "title": refusal.title,
@@ -73,9 +75,7 @@ def problem_of(refusal: Refusal) -> dict[str, Any]:
         "field": refusal.field,
         "axis": refusal.axis,
         "limit": refusal.limit,
-        "at": utc_or_none(refusal.at_utc),
-        "earliest_feasible_start": utc_or_none(refusal.earliest_feasible_start_utc),
-        "feasible_stop": utc_or_none(refusal.feasible_stop_utc),
+        **{name: utc and utc_text(utc) for name, utc in times_utc.items()},
         "costs_sessions": list(refusal.costs_sessions),
         "relaxations": [asdict(offer) for offer in getattr(refusal, "relaxations", ())],
         "errors": [asdict(error) for error in getattr(refusal, "errors", ())],

@@ -16,7 +16,7 @@ from app.http.app import create_app
 from app.jobs.dask_address import check_scheduler
 from app.log.logs import configure_logs
 from app.settings import Settings
-from app.store.database import OUTDATED
+from app.store.database import OUTDATED, Database
 from app.store.keys import KeyStore
 from app.store.migrate import open_migrated
 from planner.base.errors import Refusal
@@ -32,11 +32,11 @@ def serve_on(host: str, port: int, settings: Settings) -> None:
     """
     if settings.dask_scheduler:
         check_scheduler(settings.dask_scheduler, "client", "SLEWTRACK_DASK_SCHEDULER")
-    if not is_loopback(host):
-        settings = settings.model_copy(update={"require_keys": True})
-        _require_a_key(host, settings)
-    with open_migrated(settings.database_url, settings.data_dir):
-        pass  # what is wrong with it is told before anything starts
+    # What is wrong with it is told before anything starts.
+    with open_migrated(settings.database_url, settings.data_dir) as database:
+        if not is_loopback(host):
+            settings = settings.model_copy(update={"require_keys": True})
+            _require_a_key(host, database)
     _require_free(host, port)
     configure_logs(settings.log_level, settings.log_format)
     service = server(host, port, settings)
@@ -130,11 +130,10 @@ def _address(host: str, port: int) -> str:
     return f"http://{ip}:{port}" if ip.version == 4 else f"http://[{ip}]:{port}"
 
 
-def _require_a_key(host: str, settings: Settings) -> None:
-    with open_migrated(settings.database_url, settings.data_dir) as database:
-        if not KeyStore(database).any_valid():
-            raise Refusal(
-                f"{host} can be reached from other machines and there is no API key yet; make one "
-                "with `slewtrack keys create NAME --scope write`, or use 127.0.0.1 or ::1",
-                field="--host",
-            )
+def _require_a_key(host: str, database: Database) -> None:
+    if not KeyStore(database).any_valid():
+        raise Refusal(
+            f"{host} can be reached from other machines and there is no API key yet; make one "
+            "with `slewtrack keys create NAME --scope write`, or use 127.0.0.1 or ::1",
+            field="--host",
+        )

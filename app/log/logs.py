@@ -139,21 +139,16 @@ def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(level.upper())
-    _take_over()
+    for logger in logging.getLogger().manager.loggerDict.values():
+        if isinstance(logger, logging.Logger):  # with handlers of its own, as Dask's have
+            logger.handlers = []
+            logger.propagate = True
     # Of its doings, values withheld, little is left.
     logging.getLogger("distributed").setLevel("INFO" if level == "debug" else "WARNING")
     sys.excepthook = lambda _, error, __: _log_uncaught(error)
     threading.excepthook = lambda what: _log_uncaught(what.exc_value)
     sys.unraisablehook = lambda what: _log_uncaught(what.exc_value)
     warnings.showwarning = _log_warning
-
-
-def _take_over() -> None:
-    """Have loggers that brought handlers of their own, as Dask's do, write where all others do."""
-    for logger in logging.getLogger().manager.loggerDict.values():
-        if isinstance(logger, logging.Logger):
-            logger.handlers = []
-            logger.propagate = True
 
 
 class _Handler(logging.StreamHandler[TextIO]):

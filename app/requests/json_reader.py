@@ -72,7 +72,7 @@ class JsonReader(Generic[T]):
 
     @cached_property
     def _kept_validator(self) -> SchemaValidator:
-        return SchemaValidator(_without_bounds(_with_our_text(self._schema, visible)))
+        return SchemaValidator(_with_our_text(self._schema, visible, without=_BOUNDS))
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""
@@ -211,15 +211,21 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
     return members
 
 
-def _with_our_text(node: Any, text: Callable[[str], str], field: str = "") -> Any:  # noqa: ANN401 (a core schema is nested plain data)
+def _with_our_text(
+    node: Any,  # noqa: ANN401 (a core schema is nested plain data)
+    text: Callable[[str], str],
+    field: str = "",
+    without: frozenset[str] = frozenset(),
+) -> Any:  # noqa: ANN401 (as above)
     """The core schema with `text` applied to text, and times read as we do: with leap seconds.
 
     A union's kind, when it is unknown or missing, is answered with those there are.
     """
     if isinstance(node, list | tuple):
-        return type(node)(_with_our_text(item, text, field) for item in node)
+        return type(node)(_with_our_text(item, text, field, without) for item in node)
     if not isinstance(node, dict):
         return node
+    node = {key: value for key, value in node.items() if key not in without}
     match node.get("type"):
         case "datetime":
             return core_schema.no_info_after_validator_function(
@@ -237,15 +243,7 @@ def _with_our_text(node: Any, text: Callable[[str], str], field: str = "") -> An
             }
         case "dataclass-field":
             field = node["name"]
-    return {key: _with_our_text(value, text, field) for key, value in node.items()}
-
-
-def _without_bounds(node: Any) -> Any:  # noqa: ANN401 (as above)
-    if isinstance(node, list | tuple):
-        return type(node)(_without_bounds(item) for item in node)
-    if not isinstance(node, dict):
-        return node
-    return {key: _without_bounds(value) for key, value in node.items() if key not in _BOUNDS}
+    return {key: _with_our_text(value, text, field, without) for key, value in node.items()}
 
 
 def _utc(text: str) -> datetime:

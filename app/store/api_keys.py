@@ -12,18 +12,12 @@ from datetime import datetime
 from typing import Literal, get_args
 
 KeyScope = Literal["read", "write", "admin"]
-SCOPES: tuple[KeyScope, ...] = get_args(KeyScope)
+SCOPES: tuple[KeyScope, ...] = get_args(KeyScope)  # each holds those before it
 
 PREFIX = "slewtrack"  # so that scanners for lost secrets, and people, know one when they see it
 _SECRET_BYTES = 32
 _ID_BYTES = 6
 _SECRET_CHARACTERS_MAX = 200
-# Which other scopes a scope holds.
-_INCLUDES: dict[KeyScope, frozenset[KeyScope]] = {
-    "read": frozenset({"read"}),
-    "write": frozenset({"read", "write"}),
-    "admin": frozenset(SCOPES),
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +35,7 @@ class Key:
 
     def may(self, needed: KeyScope) -> bool:
         """Whether one of the scopes is or includes the one needed."""
-        return any(needed in _INCLUDES[scope] for scope in self.scopes)
+        return any(SCOPES.index(scope) >= SCOPES.index(needed) for scope in self.scopes)
 
 
 def new_secret() -> tuple[str, str]:

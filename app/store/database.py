@@ -14,7 +14,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import TypeVar
@@ -188,7 +188,7 @@ class Database:
 
         lasting: whether it outlives a power failure; one of the service it does either way.
         """
-        with self._writer(lasting) as connection, connection.begin():
+        with self._writer(lasting) as connection:
             if self.revision is not None:
                 self._require_revision(connection)
             yield connection
@@ -202,11 +202,9 @@ class Database:
             self.when_outdated()
             raise StoreUnavailable(OUTDATED)
 
-    @contextmanager
-    def migrating(self) -> Iterator[Connection]:
+    def migrating(self) -> AbstractContextManager[Connection]:
         """As `writing`, for what makes the tables that `writing` looks into."""
-        with self._writer(lasting=True) as connection, connection.begin():
-            yield connection
+        return self._writer(lasting=True)
 
     @contextmanager
     def _writer(self, lasting: bool) -> Iterator[Connection]:
@@ -218,6 +216,7 @@ class Database:
             self._engine.connect().execution_options(
                 **{_WRITES: "FULL" if lasting else "NORMAL"}
             ) as connection,
+            connection.begin(),
         ):
             yield connection
 

@@ -16,11 +16,7 @@ from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
 
-_TEXT = "text/plain"
 _AUDIT_ID_MAX = 2**31 - 1  # of the database's column
-_METRICS: dict[int | str, dict[str, Any]] = {
-    200: {"description": "Prometheus's text format", "content": {_TEXT: {}}}
-}
 _NOT_READY: dict[int | str, dict[str, Any]] = {
     503: {"description": "Something the service needs doesn't answer; `detail` says what"}
 }
@@ -54,7 +50,7 @@ async def get_readiness(request: Request) -> ReadinessResponse:
     "/metrics",
     summary="Get metrics",
     response_class=Response,
-    responses=_METRICS,
+    responses={200: {"description": "Prometheus's text format", "content": {"text/plain": {}}}},
 )
 async def get_metrics(request: Request) -> Response:
     """The metrics cover requests by route, refusals by type, solve times, iterations and jobs by
