@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.base.answer_members import Angle, HalfTurn, Internal, Share, answer
 from planner.base.arrays import Array
-from planner.world.attitude.corrections import CorrectionOut
+from planner.base.correction import CorrectionOut
 from planner.world.frames.time_scales import utc_text
 
 INCONSISTENT_BELOW = 1e-3

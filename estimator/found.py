@@ -21,7 +21,7 @@ from planner.base.answer_members import (
     written,
 )
 from planner.base.arrays import Array
-from planner.world.attitude.corrections import CorrectionOut
+from planner.base.correction import CorrectionOut
 from planner.world.frames.time_scales import Utc
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from planner.base.answer_members import Count, Internal, Member, answer
+from planner.base.correction import CorrectionOut
 from planner.inflight.telemetry.estimates import ClockEstimate, Estimate, Inseparable
 from planner.inflight.telemetry.following import (
     Basis,
@@ -19,7 +20,6 @@ from planner.inflight.telemetry.oscillations import Oscillation
 from planner.inflight.telemetry.platforms.sensors import Parameter, PointingParts, ToldColumn
 from planner.inflight.telemetry.samples import Dropped
 from planner.inflight.telemetry.stick_slip import StickSlip
-from planner.world.attitude.corrections import CorrectionOut
 from planner.world.frames.time_scales import Utc
 from planner.world.platforms import BodyPlatform, PlatformDefinition
 

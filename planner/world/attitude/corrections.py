@@ -16,8 +16,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from planner.base.answer_members import Signed
 from planner.base.arrays import Array
+from planner.base.correction import CorrectionOut
 from planner.base.errors import InvalidInput
 from planner.base.spec import Within, spec
 from planner.world.attitude.errors import AttitudeErrors, alike
@@ -45,21 +45,6 @@ _TINY = np.finfo(float).tiny
 _TurnDeg = Annotated[float, Within(-20.0, 20.0)]
 _VarianceDeg2 = Annotated[float, Within(-OPTIONS.variance_max_deg2, OPTIONS.variance_max_deg2)]
 _Row = tuple[_VarianceDeg2, _VarianceDeg2, _VarianceDeg2]
-
-
-@dataclass(frozen=True, kw_only=True)
-class CorrectionOut:
-    """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
-    takes it where the attitude predicted is that of its law.
-
-    epoch: time of the measurement; UTC.
-    turn_body_deg: the rotation vector from the predicted body to the measured one, body axes.
-    covariance_deg2: of its components; 180 deg about nadir, which was not measured.
-    """
-
-    epoch: str
-    turn_body_deg: list[Signed]
-    covariance_deg2: list[list[Signed]]
 
 
 @spec
