@@ -35,6 +35,11 @@ export async function sendOff(
   return { path: `${path}/${id}`, id };
 }
 
+/** What was asked with, as it was sent. */
+export async function requestOf<R>(path: JobPaths & keyof paths, id: string, until: AbortSignal): Promise<R> {
+  return (await send("GET", `${path}/{id}/request`, { id, signal: until })).json() as Promise<R>;
+}
+
 /** Has a plan flown. */
 export async function sendOffFlights(plan: string, request: object, until?: AbortSignal): Promise<Sent> {
   const id = await made("/v1/plans/{id}/flights", request, { id: plan, signal: until });

@@ -1,7 +1,6 @@
 import type { ComponentChildren } from "preact";
 
-import { send } from "../api/client";
-import { Cancelled, type Progress, sendOff } from "../api/job";
+import { Cancelled, type Progress, requestOf, sendOff } from "../api/job";
 import { offerOf } from "../api/offer";
 import { brokeOff, Problem } from "../api/problem";
 import { useRequest } from "../api/request";
@@ -12,8 +11,7 @@ import { ProblemNotice } from "./ProblemNotice";
 import { TakeOffer } from "./TakeOffer";
 
 interface Props {
-  /** Where the service takes such work, "/v1/campaigns", and the room that asks for it and shows it. */
-  work: "/v1/campaigns" | "/v1/spacecraft/plans";
+  /** That shows it, by the path at which the service takes such work. */
   room: "/campaigns" | "/spacecraft/plans";
   id: string;
   error: unknown;
@@ -42,7 +40,7 @@ export function JobState({
   text,
   children,
   ...asked
-}: Pick<Props, "work" | "room" | "id"> & { job: Job; text: Told; children?: ComponentChildren }) {
+}: Pick<Props, "room" | "id"> & { job: Job; text: Told; children?: ComponentChildren }) {
   const { answer, error, progress } = job;
   return (
     <>
@@ -57,11 +55,12 @@ export function JobState({
   );
 }
 
-function JobEnded({ work, room, id, error, again, text }: Props) {
+function JobEnded({ room, id, error, again, text }: Props) {
+  const work = `/v1${room}` as const;
   const anew = useRequest<void>(null);
   const askFor = (changes: object) =>
     anew.ask(async (until) => {
-      const request = (await (await send("GET", `${work}/{id}/request`, { id, signal: until })).json()) as object;
+      const request = await requestOf<object>(work, id, until);
       go(`${room}/${(await sendOff(work, { ...request, ...changes }, {}, until)).id}`);
     });
   const told = error instanceof Cancelled ? text.cancelled : error instanceof Problem && error.status === 404 ? text.gone : null;

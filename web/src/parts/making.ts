@@ -1,22 +1,18 @@
 /** A request in the making: begun with an example or with one that was sent before, kept, and sent off. */
 import { useLayoutEffect, useRef } from "preact/hooks";
 
-import { type JobPaths, sendOff } from "../api/job";
+import { requestOf, sendOff } from "../api/job";
 import { useRequest } from "../api/request";
 import { go, place } from "../router";
 import { useBegun } from "./kept";
 import { useStateOf } from "./stateOf";
 
-/** path: of the service; room: of the page, where what is made is shown; before: of an id, the request. */
-export function useMaking<R extends object>(
-  path: JobPaths,
-  room: string,
-  example: R,
-  before: (id: string, until: AbortSignal) => Promise<R>,
-) {
+/** room: where what is made is shown, by the service's own path. */
+export function useMaking<R extends object>(room: "/campaigns" | "/spacecraft/plans", example: R) {
+  const path = `/v1${room}` as const;
   const from = place.value.query.get("from");
   const [kept, keep] = useBegun<R>(room, from);
-  const begun = useRequest<R>(kept ? null : from, (until) => before(from ?? "", until));
+  const begun = useRequest<R>(kept ? null : from, (until) => requestOf(path, from ?? "", until));
   const first = kept ?? begun.answer;
   const [request, setRequest] = useStateOf<R>(first, () => first ?? example);
   const shown = useRef(request);

@@ -1,6 +1,7 @@
-/** Windows as bars over time and in a list, of which one may be taken. */
+/** Windows as bars over time and in a list, of which one may be taken, and what the search warns of. */
 import type { ComponentChildren } from "preact";
 
+import { words } from "../i18n";
 import { Overview } from "./Overview";
 import { PassFigures } from "./PassFigures";
 import type { Pass } from "./sight";
@@ -16,9 +17,25 @@ interface Props<P extends Pass> {
   more: (window: P) => ComponentChildren;
   /** Between the bars and the list. */
   children?: ComponentChildren;
+  warnings: readonly string[];
 }
 
-export function WindowList<P extends Pass>({ windows, taken, from_ms, to_ms, label, onTake, more, children }: Props<P>) {
+export function WindowList<P extends Pass>({ windows, warnings, ...shown }: Props<P>) {
+  return (
+    <>
+      {windows.length > 0 && <List windows={windows} {...shown} />}
+      {warnings.map((one) => (
+        <p key={one} class="hint">
+          {words.value.service.told(one)}
+        </p>
+      ))}
+    </>
+  );
+}
+
+type Shown<P extends Pass> = Omit<Props<P>, "warnings">;
+
+function List<P extends Pass>({ windows, taken, from_ms, to_ms, label, onTake, more, children }: Shown<P>) {
   return (
     <>
       <Overview passes={windows} taken={(one) => one === taken} from_ms={from_ms} to_ms={to_ms} onTake={onTake} />

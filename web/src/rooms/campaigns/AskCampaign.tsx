@@ -15,16 +15,7 @@ import { UtcField } from "../../parts/UtcField";
 import { place } from "../../router";
 import { BODY_ONLY } from "../planning/platforms";
 import { CarrierFields } from "./CarrierFields";
-import {
-  type AskedCampaign,
-  type CampaignTarget,
-  type CarrierMembers,
-  faultsOf,
-  fetchRequest,
-  isOfBody,
-  modeIn,
-  placesOf,
-} from "./campaign";
+import { type AskedCampaign, type CampaignTarget, type CarrierMembers, faultsOf, isOfBody, modeIn, placesOf } from "./campaign";
 import { idFor, TargetList } from "./TargetList";
 import { TargetsFile } from "./TargetsFile";
 import { type Kind, TargetsMap } from "./TargetsMap";
@@ -39,7 +30,7 @@ const AS_NEW = { revises: undefined };
 
 export function AskCampaign() {
   const text = words.value.campaigns;
-  const { request, setRequest, isSending, error, send } = useMaking("/v1/campaigns", "/campaigns", EXAMPLE, fetchRequest);
+  const { request, setRequest, isSending, error, send } = useMaking("/campaigns", EXAMPLE);
   /** Of the campaign that this one revises, and until when that one stays. */
   const revises = place.value.query.get("revises");
   const [frozen, setFrozen] = useStateOf(request.start, () => request.start);

@@ -1,7 +1,7 @@
 /** One campaign: how far it is, what was chosen and why the rest was not. */
 import { useState } from "preact/hooks";
 
-import type { Progress } from "../../api/job";
+import { type Progress, requestOf } from "../../api/job";
 import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { digits, percent, period } from "../../i18n/forms";
@@ -13,7 +13,7 @@ import { Notices } from "../../parts/Notices";
 import { checksum } from "../../parts/paper";
 import { CampaignFiles } from "./CampaignFiles";
 import { Carriers } from "./Carriers";
-import { coloursOf, fatesOf, fatesWith, fetchCampaign, fetchRequest, nameIn, PATH } from "./campaign";
+import { type AskedCampaign, coloursOf, fatesOf, fatesWith, fetchCampaign, nameIn, PATH } from "./campaign";
 import { FateMap } from "./FateMap";
 import { Fates } from "./Fates";
 import { Passes } from "./Passes";
@@ -25,7 +25,7 @@ export function OneCampaign({ id }: { id: string }) {
   const job = useJob(PATH, id, fetchCampaign);
   const { answer, progress } = job;
   // Whatever is wrong with the campaign is told by the campaign itself.
-  const { answer: request } = useRequest(id, (until) => fetchRequest(id, until));
+  const { answer: request } = useRequest(id, (until) => requestOf<AskedCampaign>("/v1/campaigns", id, until));
   const [chosen, setChosen] = useState<string | null>(null);
   const [sought, setSought] = useState("");
   const [only, setOnly] = useState<string | null>(null);
@@ -55,7 +55,7 @@ export function OneCampaign({ id }: { id: string }) {
           made={{ at: answer.created, by: answer.requested_by }}
         />
       )}
-      <JobState work="/v1/campaigns" room="/campaigns" id={id} job={job} text={text}>
+      <JobState room="/campaigns" id={id} job={job} text={text}>
         {progress?.value !== undefined && <p data-testid="campaign-so-far">{text.soFar(...soFar(progress))}</p>}
       </JobState>
       {answer?.choice && <Worth choice={answer.choice} planned={answer.planned} targets={answer.target_count} />}

@@ -28,13 +28,13 @@ const PLACED = ["geometry", "latitude_deg", "longitude_deg", "height_m", "name"]
 interface Props {
   targets: readonly CampaignTarget[];
   /** Of those that were refused. */
-  faults: ReadonlyMap<CampaignTarget, readonly FieldError[]>;
+  faults?: ReadonlyMap<CampaignTarget, readonly FieldError[]>;
   onTargets: (targets: CampaignTarget[]) => void;
   /** By name; unless given, none is added so, and targets have no other members than the row's. */
   onAdd?: (target: CampaignTarget["target"]) => void;
 }
 
-export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
+export function TargetList({ targets, faults = new Map(), onTargets, onAdd }: Props) {
   const text = words.value.campaigns;
   const shown = targets.map((one, number) => ({ one, number })).filter(({ one, number }) => number < SHOWN || faults.has(one));
   const [opened, setOpened] = useState<number | null>(null);

@@ -19,11 +19,6 @@ export function fetchCampaign(id: string, signal: AbortSignal): Promise<Campaign
   return get(PATH, { id, signal });
 }
 
-/** The request as it was sent. */
-export function fetchRequest(id: string, until: AbortSignal): Promise<AskedCampaign> {
-  return get("/v1/campaigns/{id}/request", { id, signal: until }) as Promise<AskedCampaign>;
-}
-
 const OWN = [
   "platform",
   "orbit",

@@ -20,7 +20,7 @@ import "./plan.css";
 import { type Asked, TakeAway } from "./TakeAway";
 import { Verdict } from "./Verdict";
 
-const OF_SESSIONS: Asked = { path: "v1/plans", call: "plan", room: "/plans", change: (id) => `/?from=${id}&revises=yes` };
+const OF_SESSIONS: Asked = { call: "plan", room: "/plans", change: (id) => `/?from=${id}&revises=yes` };
 
 interface Props {
   plan: Plan;

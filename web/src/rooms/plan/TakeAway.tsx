@@ -13,9 +13,8 @@ import type { Plan } from "./plan";
 
 type Format = (typeof PLAN_FORMATS)[number];
 
-/** Ways by which a plan is asked for: the service's, the client's, the page's, and the room that changes it. */
+/** Ways by which a plan is asked for: the client's, the page's and the service's, and the room that changes it. */
 export interface Asked {
-  path: string;
   call: string;
   room: string;
   change: (id: string) => string;
@@ -69,7 +68,7 @@ export function TakeAway({ plan, request, unread, asked }: Props) {
       {request !== null && (
         <>
           <Copied name={text.request} content={request} />
-          <Copied name={text.curl} content={curl(service, request, asked.path)} />
+          <Copied name={text.curl} content={curl(service, request, `v1${asked.room}`)} />
           <Copied name={text.python} content={python(service, request, asked.call)} />
         </>
       )}

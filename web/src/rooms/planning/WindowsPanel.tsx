@@ -51,7 +51,7 @@ export function WindowsPanel() {
         </p>
       )}
       {now?.unseen && <p>{text.none(now.unseen.closed_by, now.unseen.because, number(now.unseen.best_elevation_deg, 1))}</p>}
-      {now && now.windows.length > 0 && (
+      {now && (
         <WindowList
           windows={now.windows}
           taken={taken}
@@ -60,16 +60,12 @@ export function WindowsPanel() {
           label={text.list}
           onTake={take}
           more={Chances}
+          warnings={now.warnings}
         >
           {near && <SessionBar window={near} />}
           <Heads isInSpace={now.windows.every((window) => window.place === null)} />
         </WindowList>
       )}
-      {now?.warnings.map((warning) => (
-        <p key={warning} class="hint">
-          {words.value.service.told(warning)}
-        </p>
-      ))}
     </section>
   );
 }

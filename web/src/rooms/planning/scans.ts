@@ -5,7 +5,7 @@ import { rfc3339 } from "../../i18n/forms";
 /** With all that the page's searches include. */
 export type Window = Required<Schemas["WindowOut"]>;
 
-const GRID_MS = 200; // of the command table
+export const GRID_MS = 200; // of the command table
 const APART_MS = 1_200_000; // a pass is over sooner, the next comes later
 const LEAD_MS = 10_000; // before the first of looks at given angles, which begin when they come
 const SLEW_MS = 25_000; // between scans near each other, and settling
@@ -29,6 +29,15 @@ export function passesOf<W extends { rise: string }>(windows: readonly W[]): W[]
   return passes;
 }
 
+/** From the first rise to the last set, and the window in which it is highest. */
+export function spanOf(windows: readonly Window[]) {
+  return {
+    rise_ms: Math.min(...windows.map((one) => Date.parse(one.rise))),
+    set_ms: Math.max(...windows.map((one) => Date.parse(one.set))),
+    highest: windows.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best)),
+  };
+}
+
 /** null unless all scans of one number are there. */
 function ofPass(pass: readonly Window[], lead_ms: number): Window | null {
   const count = pass[0]?.scan?.parts ?? 0;
@@ -36,8 +45,7 @@ function ofPass(pass: readonly Window[], lead_ms: number): Window | null {
   const [first] = scans;
   if (!first?.session || !first.scan || !scans.every((one) => one !== undefined)) return null;
   if (count === 1) return first;
-  const rise_ms = Math.min(...scans.map((one) => Date.parse(one.rise)));
-  const set_ms = Math.max(...scans.map((one) => Date.parse(one.set)));
+  const { rise_ms, set_ms, highest } = spanOf(scans);
   const scanned_ms = scans.reduce(
     (sum, { session }) => sum + (session ? Date.parse(session.stop) - Date.parse(session.start) : 0),
     0,
@@ -48,7 +56,6 @@ function ofPass(pass: readonly Window[], lead_ms: number): Window | null {
   const soonest_ms = Date.parse(first_start ?? first.session.start);
   const latest_ms = Date.parse(last_start ?? first.session.start);
   const start_ms = Math.min(Math.max(middle_ms - needed_ms / 2, soonest_ms), latest_ms) - lead_ms;
-  const highest = scans.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
   return {
     ...highest,
     rise: rfc3339(rise_ms),

@@ -17,22 +17,16 @@ import { TargetsMap } from "../campaigns/TargetsMap";
 import "../campaigns/campaigns.css";
 import "./spacecraft.css";
 import { PassesPanel } from "./PassesPanel";
-import { askedFrom, askedOf, fetchRequest, type SessionRequest, shownAs } from "./session";
+import { askedFrom, askedOf, type SessionRequest, shownAs } from "./session";
 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<"fourModes", SessionRequest>;
 /** Members that have forms of their own, and the only spacecraft. */
 const OTHERS = ["requests", "orbit", "spacecraft"];
 const KINDS = MODES.filter((mode) => mode !== "tri_stereo");
-const NO_FAULTS = new Map();
 
 export default function AskSession() {
   const text = words.value.spacecraft;
-  const { request, setRequest, isSending, error, send } = useMaking(
-    "/v1/spacecraft/plans",
-    "/spacecraft/plans",
-    EXAMPLES.fourModes,
-    fetchRequest,
-  );
+  const { request, setRequest, isSending, error, send } = useMaking("/spacecraft/plans", EXAMPLES.fourModes);
   const change = (members: Partial<SessionRequest>) => setRequest({ ...request, ...members });
   const asked = askedOf(request);
   const targets = shownAs(asked);
@@ -57,11 +51,7 @@ export default function AskSession() {
                 {text.removeAll}
               </button>
             </div>
-            {asked.length > 0 ? (
-              <TargetList targets={targets} faults={NO_FAULTS} onTargets={ask} />
-            ) : (
-              <p class="hint">{text.none}</p>
-            )}
+            {asked.length > 0 ? <TargetList targets={targets} onTargets={ask} /> : <p class="hint">{text.none}</p>}
             <TargetsFile text={text} accept=".geojson,.json" onTargets={take} />
           </section>
           <section class="panel" aria-labelledby="session-when">
@@ -75,7 +65,7 @@ export default function AskSession() {
             />
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
           </section>
-          <PassesPanel request={request} count={asked.length} onTimes={change} />
+          <PassesPanel request={request} onTimes={change} />
         </div>
         <div>
           <TargetsMap

@@ -13,7 +13,6 @@ import { Looks, Slews } from "./SessionTables";
 import { fetchSession, PATH, type Session } from "./session";
 
 const ASKED = {
-  path: "v1/spacecraft/plans",
   call: "spacecraft.plan",
   room: "/spacecraft/plans",
   change: (id: string) => `/spacecraft?from=${id}`,
@@ -58,13 +57,7 @@ export default function OneSession({ params }: RoomProps) {
           {text.plan.one.change}
         </Link>
       </div>
-      <JobState
-        work="/v1/spacecraft/plans"
-        room="/spacecraft/plans"
-        id={id}
-        job={job}
-        text={{ ...text.spacecraft, cancelled: text.plan.one.cancelled }}
-      />
+      <JobState room="/spacecraft/plans" id={id} job={job} text={{ ...text.spacecraft, cancelled: text.plan.one.cancelled }} />
     </div>
   );
 }

@@ -12,7 +12,7 @@ import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
 import { WindowList } from "../../windows/WindowList";
 import "../planning/planning.css";
-import { passesOf, type Window } from "../planning/scans";
+import { GRID_MS, passesOf, spanOf, type Window } from "../planning/scans";
 import { type Asked, askedOf, type SessionRequest } from "./session";
 
 const DAY_MS = 86_400_000;
@@ -21,19 +21,11 @@ const SAMPLES = 21;
 const ASKED = { include: "view", limit: 1000 };
 // From orbital orientation to the farthest look, or back: 54 deg at 1.58 deg/s about each axis, and settling.
 const TURN_MS = 60_000;
-const ROW_MS = 200; // of the command table
-
-interface Props {
-  request: SessionRequest;
-  /** How many are asked for. */
-  count: number;
-  onTimes: (times: { start: string; stop: string }) => void;
-}
 
 /** What one session can image, told by the window in which it is highest. */
 type Pass = ReturnType<typeof sessionOf>;
 
-export function PassesPanel({ request, count, onTimes }: Props) {
+export function PassesPanel({ request, onTimes }: { request: SessionRequest; onTimes: (times: Pass["session"]) => void }) {
   const text = words.value.spacecraft.passes;
   const { span, windows } = words.value.plan;
   const { orbit, spacecraft, settings, start, stop } = request;
@@ -68,13 +60,13 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       <div class="span-fields">
         <UtcField label={span.from} value={search.start} onValue={setFrom} />
         <NumberField label={span.days} least={1} most={MOST_DAYS} value={days} onValue={setDays} />
-        <button type="button" disabled={count === 0 || isAsking} onClick={() => setAsked(key)}>
+        <button type="button" disabled={search.targets.length === 0 || isAsking} onClick={() => setAsked(key)}>
           {text.find}
         </button>
       </div>
       {error !== null && <ProblemNotice error={error} again={() => void passes.ask()} />}
       {found && found.unseen.length > 0 && <p class="notice notice-warn">{text.unseen(found.unseen.join(", "))}</p>}
-      {found && found.passes.length > 0 && (
+      {found && (
         <WindowList
           windows={found.passes}
           taken={found.passes.find(({ session }) => session.start === start && session.stop === stop) ?? null}
@@ -82,14 +74,10 @@ export function PassesPanel({ request, count, onTimes }: Props) {
           to_ms={to_ms}
           label={text.list}
           onTake={({ session }) => onTimes(session)}
-          more={(pass) => <span class="small pass-seen">{told(pass, count)}</span>}
+          more={(pass) => <span class="small pass-seen">{told(pass, search.targets.length)}</span>}
+          warnings={found.warnings}
         />
       )}
-      {found?.warnings.map((warning) => (
-        <p key={warning} class="hint">
-          {words.value.service.told(warning)}
-        </p>
-      ))}
     </section>
   );
 }
@@ -108,11 +96,9 @@ function modeOf({ name: _, priority: __, scan_speed_m_s, start, window_start, wi
 }
 
 function sessionOf(seen: readonly Window[]) {
-  const start_ms = Math.min(...seen.map((one) => Date.parse(one.rise))) - TURN_MS;
-  const stop_ms = Math.max(...seen.map((one) => Date.parse(one.set))) + TURN_MS;
-  const onRow = (ms: number, round: (count: number) => number) => rfc3339(round(ms / ROW_MS) * ROW_MS);
-  const highest = seen.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
-  return { ...highest, session: { start: onRow(start_ms, Math.floor), stop: onRow(stop_ms, Math.ceil) }, seen };
+  const { rise_ms, set_ms, highest } = spanOf(seen);
+  const onRow = (ms: number, round: (count: number) => number) => rfc3339(round(ms / GRID_MS) * GRID_MS);
+  return { ...highest, session: { start: onRow(rise_ms - TURN_MS, Math.floor), stop: onRow(set_ms + TURN_MS, Math.ceil) }, seen };
 }
 
 /** What a session in the pass can image, and from how far aside. */

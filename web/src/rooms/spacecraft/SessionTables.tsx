@@ -11,6 +11,7 @@ type Slew = Session["slews"][number];
 export function Looks({ session }: { session: Session }) {
   const text = words.value.spacecraft;
   const { columns } = text;
+  const told = (isSteady: boolean) => <span class={isSteady ? "is-good" : "is-bad"}>{isSteady ? text.yes : text.no}</span>;
   const all: Column<Look>[] = [
     [columns.request, (one) => nameOf(session, one)],
     [columns.times, timesOf, "mono nowrap"],
@@ -22,15 +23,10 @@ export function Looks({ session }: { session: Session }) {
     [columns.smear, (one) => digits(one.smear_px, 2), "number"],
     [columns.spare, (one) => number(one.spare_s), "number"],
     [columns.momentumMargin, (one) => number(one.momentum_margin_n_m_s), "number"],
-    [columns.steady, ({ steady }) => (steady === undefined ? "–" : <Steady steady={steady} />), "number"],
+    [columns.steady, ({ steady }) => (steady === undefined ? "–" : told(steady)), "number"],
   ];
   const rows = session.windows.map((one, index) => ({ ...one, ...session.stabilisation.windows[index] }));
   return <TablePanel title={text.looks} rows={rows} columns={all} />;
-}
-
-function Steady({ steady }: { steady: boolean }) {
-  const text = words.value.spacecraft;
-  return <span class={steady ? "is-good" : "is-bad"}>{steady ? text.yes : text.no}</span>;
 }
 
 export function Slews({ session }: { session: Session }) {

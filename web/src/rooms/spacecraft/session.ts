@@ -9,14 +9,11 @@ export type Asked = Schemas["StripRequest"] | Schemas["StereoRequest"] | Schemas
 export type Session = Schemas["SpacecraftPlanResponse"];
 
 export const PATH = "/v1/spacecraft/plans/{id}";
+
 /** The session with the plan that it is, or the job that makes both. */
 export async function fetchSession(id: string, signal: AbortSignal) {
   const session = await get(PATH, { id, signal });
   return "table" in session ? { ...session, plan: (await fetchPlan(id, signal)) as Plan } : session;
-}
-
-export function fetchRequest(id: string, until: AbortSignal): Promise<SessionRequest> {
-  return get("/v1/spacecraft/plans/{id}/request", { id, signal: until }) as Promise<SessionRequest>;
 }
 
 /** What is asked, however the request holds it; nothing of features that are half typed. */
@@ -32,11 +29,8 @@ export function askedOf({ requests }: SessionRequest): Asked[] {
 
 /** As the targets of any plan, for the list and the map of them. */
 export function shownAs(asked: readonly Asked[]): CampaignTarget[] {
-  return asked.map(({ name, priority, mode, geometry }) => ({
-    id: name,
-    priority,
-    target: { mode, geometry } as CampaignTarget["target"],
-  }));
+  const targetOf = ({ mode, geometry }: Asked) => ({ mode, geometry }) as CampaignTarget["target"];
+  return asked.map((one) => ({ id: one.name, priority: one.priority, target: targetOf(one) }));
 }
 
 /** Those of the targets, each with the other members that it had. */
