@@ -1,19 +1,16 @@
 """The session's table flown closed loop, and the camera's steadiness in each imaging interval."""
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.at_once import done_at_once
 from planner.base.commands import COMMAND_STEP_S, CommandTable
-from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import camera_on, draw_dispersion, fly_table
 from planner.inflight.simulation.gyros.report import worst_of
 from planner.inflight.simulation.gyros.steadiness import rate_errors, steadiness_figures
 from planner.spacecraft.found import ImagingSteadiness, StabilisationReport
-from planner.spacecraft.requests import ImagingWindow
 from planner.spacecraft.vehicle import AgileSpacecraft
 from planner.spacecraft.verification import VerifiedWindow
 from planner.world.orbits.ephemeris import OrbitStates
@@ -36,35 +33,6 @@ ASSUMPTIONS = (
     "light time and aberration (16 m on the ground, alike for all points) are left out",
 )
 
-Kept = TypeVar("Kept")
-
-
-def fly_many(
-    spacecraft: AgileSpacecraft,
-    table: CommandTable,
-    windows: Sequence[ImagingWindow],
-    states: OrbitStates,
-    seeds: Sequence[int],
-    keep: Callable[[Log], Kept],
-    tell: Callable[[int], None] = lambda _: None,
-) -> list[Kept]:
-    """Dispersed runs, one a seed.
-
-    states: the orbit at the table's rows.  keep: what is wanted of a run; its log (19 MB for an
-    hour) is given up at once.  tell: is called with how many are flown.
-    """
-    spans = [(one.first_row, one.last_row) for one in windows]
-    craft, imaging = spacecraft.craft, camera_on(spans, len(table.position))
-
-    def fly(seed: int) -> Kept:
-        return keep(fly_table(craft, table, imaging, states, draw_dispersion(craft, seed)))
-
-    kept: list[Kept] = []
-    for one in done_at_once(fly, seeds):
-        kept.append(one)
-        tell(len(kept))
-    return kept
-
 
 def stabilisation(
     spacecraft: AgileSpacecraft,
@@ -74,38 +42,46 @@ def stabilisation(
     seeds: Sequence[int],
     tell: Callable[[int], None],
 ) -> StabilisationReport:
-    """Fly the table with these seeds and summarise the runs."""
+    """Fly the table closed loop, a dispersed run a seed, and summarise the runs.
+
+    states: the orbit at the table's rows.  tell: is called with how many are flown.
+    """
     craft, camera = spacecraft.craft, spacecraft.body.camera
     assert camera.type == "pushbroom"  # as of the file
     tdi_lines, before_rows = camera.tdi_lines, [0, *(one.last_row for one in windows)]
+    spans = [(one.first_row, one.last_row) for one in windows]
+    imaging = camera_on(spans, len(table.position))
 
-    def run_figures(log: Log) -> Array:
+    def run_figures(seed: int) -> Array:
         """A row for each interval: as `worst_of` reads them, and the smear."""
+        log = fly_table(craft, table, imaging, states, draw_dispersion(craft, seed))
         rows = []
-        for one, before_row in zip(windows, before_rows, strict=False):
-            interval = one.first_row, one.last_row
+        for window, interval, before_row in zip(windows, spans, before_rows, strict=False):
             across_rad_s = np.linalg.norm(rate_errors(log, *interval)[:, ACROSS_AXES], axis=1).max()
             figures = steadiness_figures(
                 log, craft.array, table.rate_rad_s, *interval, since_row=before_row
             )
-            rows.append(np.append(figures, across_rad_s * one.passing_s * tdi_lines))
+            rows.append(np.append(figures, across_rad_s * window.passing_s * tdi_lines))
         return np.array(rows)
 
-    runs = fly_many(spacecraft, table, windows, states, seeds, run_figures, tell)
+    runs: list[Array] = []
+    for one in done_at_once(run_figures, seeds):
+        runs.append(one)
+        tell(len(runs))
     if not runs or not windows:
         return StabilisationReport(runs=len(runs), windows=(), share_steady=None, worst_rad_s=None)
     numbers = np.array(runs)  # (runs, intervals, figures)
     told = []
-    for k, one in enumerate(windows):
+    held_n_m_s = spacecraft.gyros.turns.momentum_max_n_m_s
+    for k, window in enumerate(windows):
         gyros = worst_of(numbers[:, k, :-1])
         assert gyros is not None  # it has some
-        held_n_m_s = spacecraft.gyros.turns.momentum_max_n_m_s
         told.append(
             ImagingSteadiness(
                 **vars(gyros) | {"steady": gyros.steady == 1.0},
-                request=one.request,
-                look=one.look,
-                settled_s=(one.first_row - before_rows[k]) * COMMAND_STEP_S - gyros.spare_s,
+                request=window.request,
+                look=window.look,
+                settled_s=(window.first_row - before_rows[k]) * COMMAND_STEP_S - gyros.spare_s,
                 smear_px=float(numbers[:, k, -1].max()),
                 momentum_margin_n_m_s=held_n_m_s - gyros.momentum_max_n_m_s,
             )

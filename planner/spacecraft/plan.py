@@ -66,26 +66,20 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> I
     VerificationFailed when the judge objects, SearchEnded when it takes more work than such a
     request may make.
     """
-    with at_most(_bound_work(request)):
+    with at_most(_bound_work(request)), suppress(SearchEnded):
         try:
             return _make_plan(request, tell)
-        except SearchEnded:
-            raise _search_ended(request) from None
         except (Unreachable, InfeasibleSlew) as why:
             tell("alternatives", 0, 1)
             with suppress(WorkLimitReached):
                 raise refusal_with_alternative(request, why, _is_found) from why
             raise
-    raise _search_ended(request)
-
-
-def _search_ended(request: ImagingPlanRequest) -> SearchEnded:
     easier = ["ask for fewer or smaller requests at a time"]
     if request.objective == "minimum_time":
         easier.append('for the objective "smooth"')
     if any(request.settings.momentum_n_m_s):
         easier.append("for less momentum in the gyros")
-    return SearchEnded(
+    raise SearchEnded(
         "what is asked of this session takes more work than may be done for it before any plan "
         f"is found; {', or '.join(easier)}",
         field="requests",
@@ -120,13 +114,12 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         raise VerificationFailed("; ".join(verification.findings))
     tell("bound", 0, 1)
     value = chosen.choice.value
-    choice = ImagingChoice(
-        value=value,
-        greedy_value=chosen.choice.greedy_value,
-        bound=bound_of(options, session.priorities, session.slews, value),
-    )
+    bound = bound_of(options, session.priorities, session.slews, value)
     warnings, slews = whole.warnings, tuple(report_slews(session.platform, whole))
-    runs = _affordable_runs(request, len(whole.table.position))
+    # As many as may still be made, one at least where any is asked for.
+    run_work = OPTIONS.simulated_row * len(whole.table.position)
+    runs = min(request.simulation_runs, max(int(effort.remaining() / run_work), 1))
+    effort.count(runs * run_work)
     if runs < request.simulation_runs:
         warnings += (
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
@@ -149,7 +142,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         whole=whole,
         windows=verification.windows,
         slews=slews,
-        choice=choice,
+        choice=ImagingChoice(value=value, greedy_value=chosen.choice.greedy_value, bound=bound),
         left_out=(*unseen, *chosen.left_out),
         verification=verification,
         stabilisation=report,
@@ -177,11 +170,3 @@ def _summary(request: ImagingPlanRequest, windows: tuple[VerifiedWindow, ...]) -
             for one in request.requests
         ),
     )
-
-
-def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
-    """The dispersed runs, as many as may still be made, one at least where any is asked for."""
-    run = OPTIONS.simulated_row * rows
-    runs = min(request.simulation_runs, max(int(effort.remaining() / run), 1))
-    effort.count(runs * run)
-    return runs

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -18,13 +18,10 @@ from planner.world.platforms.cmg_array import Positive
 from planner.world.targets.geojson import GeoLineString, GeoPolygon
 from planner.world.targets.imaging import IMAGING_MODES, ImagingMode
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-_Part = TypeVar("_Part", bound="DataclassInstance")
 _OffNadirDeg = Annotated[float, Within(0.1, 60.0)]
 _MomentumPart = Annotated[float, Within(-1e9, 1e9)]  # the spacecraft's sphere decides
 SESSION_MAX_S = 3600.0
+_OF_LOOKS = ("swath_m", "across_max_deg", "along_max_deg")
 _OF_MODES = ("geometry", "azimuth_deg", "look_angle_deg", "gap_s")
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
 
@@ -54,13 +51,11 @@ class ImagingRequest:
     def __post_init__(self) -> None:
         if not self.name:
             raise ValueError("name must not be empty: the table's windows refer to it")
-        if self.window_start is not None and self.window_stop is not None:
-            seconds = elapsed_s(self.window_stop, self.window_start)
-            if seconds <= 0.0:
-                raise ValueError(
-                    f"window_stop ({utc_text(self.window_stop)}) must come after window_start "
-                    f"({utc_text(self.window_start)})"
-                )
+        begin, end = self.window_start, self.window_stop
+        if begin is not None and end is not None and elapsed_s(end, begin) <= 0.0:
+            raise ValueError(
+                f"window_stop ({utc_text(end)}) must come after window_start ({utc_text(begin)})"
+            )
         self.as_mode()
 
     def as_mode(self) -> ImagingMode:
@@ -133,9 +128,12 @@ class LeftOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingWindow:
-    """One stretch of imaging: rows first_row .. last_row, both with the camera on.
+    """One stretch of imaging, with the camera on at both rows.
 
-    request, look: which request, and which strip, look or leg of it (from 0).
+    request: name of the request it belongs to.
+    look: number of the strip, look or leg within the request, from 0.
+    first_row: its number, from 0.
+    last_row: its number, from 0.
     """
 
     request: str
@@ -195,14 +193,14 @@ class SpacecraftSettings:
                     f"{spacecraft.name!r} can do; ask for another, or leave it out"
                 )
         rate_deg_s = self.rate_axis_max_deg_s
-        turns = _with_given(
-            spacecraft.gyros.turns,
+        asked = _given(
             rate_max_deg_s=None if rate_deg_s is None else spacecraft.rate_deg_s(rate_deg_s),
             torque_max_n_m=self.torque_max_n_m,
             torque_rate_max_n_m_s=self.torque_rate_max_n_m_s,
             settle_s=self.settle_s,
         )
-        line = _with_given(spacecraft.body.camera, both_ways=self.reversible_scan)
+        turns = replace(spacecraft.gyros.turns, **asked)
+        line = replace(spacecraft.body.camera, **_given(both_ways=self.reversible_scan))
         try:
             gyros = replace(spacecraft.gyros, turns=turns)
             body = replace(spacecraft.body, camera=line, gyros=gyros)
@@ -213,17 +211,13 @@ class SpacecraftSettings:
                 f"of the gyros is turned at {turns.rate_max_deg_s:g} deg/s: ask for more, or for a "
                 "lower rate_axis_max_deg_s"
             ) from None
-        return _with_given(
-            replace(spacecraft, body=body),
-            swath_m=self.swath_m,
-            across_max_deg=self.across_max_deg,
-            along_max_deg=self.along_max_deg,
-        )
+        looks = {name: getattr(self, name) for name in _OF_LOOKS}
+        return replace(spacecraft, body=body, **_given(**looks))
 
 
-def _with_given(own: _Part, **asked: float | None) -> _Part:
-    """The part with what isn't None of it changed."""
-    return replace(own, **{name: value for name, value in asked.items() if value is not None})
+def _given(**asked: float | None) -> dict[str, Any]:
+    """Of what is asked, that which isn't None."""
+    return {name: value for name, value in asked.items() if value is not None}
 
 
 @spec
@@ -279,16 +273,13 @@ class ImagingPlanRequest:
             raise ValueError(
                 f"initial_q_body_from_eci_xyzw must have unit length, not {math.hypot(*q):.6g}"
             )
-        self._check_requests()
-        self.definition()
-
-    def _check_requests(self) -> None:
         if not 1 <= len(self.requests) <= 200:
             raise ValueError(f"requests must hold 1 to 200 of them, not {len(self.requests)}")
         names = [request.name for request in self.requests]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"two requests are named {twice!r}; names must differ")
+        self.definition()
 
     def definition(self) -> AgileSpacecraft:
         """The spacecraft with the session's settings."""

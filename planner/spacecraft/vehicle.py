@@ -5,6 +5,7 @@ Numbers of Platonov, Sumarokov 2019 where the paper gives them; what its file as
 """
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -83,24 +84,21 @@ class AgileSpacecraft:
         rate_deg_s = self.rate_deg_s(turns.rate_max_deg_s, stored)
         along, across = np.tan(np.deg2rad([self.along_max_deg, self.across_max_deg]))
         off_nadir_deg = math.degrees(math.atan(math.hypot(along, across))) + 0.5
+        with suppress(ValueError):  # no torque is left to turn what is held
+            if rate_deg_s >= OPTIONS.rate_least_deg_s:
+                turns = replace(turns, rate_max_deg_s=rate_deg_s)
+                gyros = replace(self.gyros, turns=turns, start_n_m_s=stored_n_m_s)
+                return replace(self.body, gyros=gyros, off_nadir_max_deg=min(off_nadir_deg, 90.0))
         least_n_m_s = math.radians(OPTIONS.rate_least_deg_s) * self._size_kg_m2
         beyond_n_m_s = least_n_m_s - self._room_n_m_s(stored)
         much = f"at least {beyond_n_m_s:.1f} N m s" if beyond_n_m_s > 0.0 else "momentum"
-        full = InfeasibleSlew(
+        raise InfeasibleSlew(
             f"the gyros store {stored:.1f} N m s at the start, which leaves no room "
             f"to turn in the {turns.momentum_max_n_m_s:.0f} N m s sphere they are steered in; "
             f"unload {much} first",
             field="settings.momentum_n_m_s",
             limit="momentum",
         )
-        if rate_deg_s < OPTIONS.rate_least_deg_s:
-            raise full
-        turns = replace(turns, rate_max_deg_s=rate_deg_s)
-        try:
-            gyros = replace(self.gyros, turns=turns, start_n_m_s=stored_n_m_s)
-            return replace(self.body, gyros=gyros, off_nadir_max_deg=min(off_nadir_deg, 90.0))
-        except ValueError:  # no torque is left to turn what is held
-            raise full from None
 
 
 SPACECRAFT = {AGILE_CMG.name: AgileSpacecraft()}

@@ -4,7 +4,6 @@ It sees the table, the verdict on it and the request: no candidate, no slew, no 
 points come from its own intersection of the optical axis with the ellipsoid.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
@@ -59,12 +58,8 @@ OPTICAL_AXIS_BODY = (0.0, -1.0, 0.0)
 class VerifiedWindow(ImagingWindow):
     """One stretch with the camera on, as the judge finds it on the ground.
 
-    request: name of the request it belongs to.
-    look: number of the strip, look or leg within the request, from 0.
     start_utc: first row; UTC.
     stop_utc: last row; UTC.
-    first_row: its number, from 0.
-    last_row: its number, from 0.
     scan_speed_m_s: of the scanned line over the ground, mean.
     speed_spread: largest deviation from the speed asked for, relative.
     drift_rad: largest angle between the detector's columns and the image's motion.
@@ -124,13 +119,8 @@ def verify_table(
 
     report: the verdict on the plan that has the table.
     """
-    session = _Session(
-        table=table,
-        windows=windows,
-        request=request,
-        spacecraft=request.definition(),
-        ephemeris=request.orbit.ephemeris(request.start, request.stop),
-    )
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    session = _Session(table, windows, request, request.definition(), ephemeris)
     off_span = _span_findings(session)
     verified = () if off_span else tuple(_verified_window(session, window) for window in windows)
     findings = (
@@ -154,8 +144,7 @@ def verify_table(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Session:
+class _Session(NamedTuple):
     """A table, and what it is judged by."""
 
     table: CommandTable
@@ -204,19 +193,15 @@ def _view_at(session: _Session, t_s: Array, height_m: float) -> _View:
         np.einsum("nij,nj->ni", c_itrf, of_eci)
         for of_eci in (states.r_sat_eci_m, los_eci, q_eci_from_body.apply([1.0, 0.0, 0.0]))
     )
-    r_ground_itrf_m = _footprint_itrf_m(r_sat_itrf_m, los_itrf, height_m)
-    return _View(r_sat_itrf_m, r_ground_itrf_m, x_itrf, -los_itrf, q_lvlh.apply(los_eci))
-
-
-def _footprint_itrf_m(r_sat_itrf_m: Array, los_itrf: Array, height_m: float) -> Array:
-    """Where lines of sight meet the ellipsoid raised by height_m, (n, 3): scaled to a sphere."""
+    # The ellipsoid is scaled to a sphere.
     a, b = WGS84_A_M + height_m, WGS84_A_M * (1.0 - WGS84_F) + height_m
     scale = 1.0 / np.array([a, a, b])
     o, d = r_sat_itrf_m * scale, los_itrf * scale
     dd, od = np.sum(d * d, axis=1), np.sum(o * d, axis=1)
     discriminant = np.maximum(od**2 - dd * (np.sum(o * o, axis=1) - 1.0), 0.0)
     range_m = (-od - np.sqrt(discriminant)) / dd
-    return np.asarray(r_sat_itrf_m + range_m[:, None] * los_itrf)
+    r_ground_itrf_m = r_sat_itrf_m + range_m[:, None] * los_itrf
+    return _View(r_sat_itrf_m, r_ground_itrf_m, x_itrf, -los_itrf, q_lvlh.apply(los_eci))
 
 
 def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow:
@@ -275,21 +260,14 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
 
 
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
-    spacecraft = session.spacecraft
-    along_deg, across_deg = (
-        most_deg + TOLERANCES.angle_deg
-        for most_deg in (spacecraft.along_max_deg, spacecraft.across_max_deg)
-    )
+    spacecraft, off_deg = session.spacecraft, TOLERANCES.angle_deg
+    drift_deg, drift_most_deg = np.degrees([found.drift_rad, TOLERANCES.drift_rad])
     for value, most, told in (
         (found.speed_spread, TOLERANCES.speed, "scan speed off by {:.3%}"),
-        (
-            math.degrees(found.drift_rad),
-            math.degrees(TOLERANCES.drift_rad),
-            "the image drifts by {:.4f} deg",
-        ),
+        (drift_deg, drift_most_deg, "the image drifts by {:.4f} deg"),
         (found.miss_m, TOLERANCES.ground_m, "scans {:.2f} m beside the line asked for"),
-        (found.along_deg, along_deg, "{:.2f} deg along the track"),
-        (found.across_deg, across_deg, "{:.2f} deg across the track"),
+        (found.along_deg, spacecraft.along_max_deg + off_deg, "{:.2f} deg along the track"),
+        (found.across_deg, spacecraft.across_max_deg + off_deg, "{:.2f} deg across the track"),
     ):
         if value > most:
             yield f"{found.request!r} look {found.look}: {told.format(value)}"

@@ -56,9 +56,8 @@ def random_session(seed, stereo):
 
 @cache
 def follows(a, b):
-    one = np.zeros(1, np.intp)
     ticks = np.array([round((b.start_s - a.stop_s) / 0.2)])
-    return SLEWS.fit(a.exit_state[None], b.entry_state[None], one, one, ticks)[0]
+    return SLEWS.fit(a.exit_state[None], b.entry_state[None], ticks)[0]
 
 
 def quickest_s(angle_rad, rates_rad_s=(0.0, 0.0)):

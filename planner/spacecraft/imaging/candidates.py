@@ -19,7 +19,7 @@ from planner.base.mrp import BodyMotion
 from planner.motion.attitude.track import agility_limits
 from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
-from planner.spacecraft.requests import ImagingRequest, Request, StereoRequest
+from planner.spacecraft.requests import Request, StereoRequest
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.targets.ground_path import GroundPathTarget
 from planner.world.targets.imaging import AreaMode, CorridorMode, StereoMode
@@ -181,11 +181,15 @@ def _from_starts(
     arcs: list[GroundArc],
     starts_s: Array,
     number_part: tuple[int, int],
-    request: ImagingRequest,
+    request: Request,
     session: ImagingSession,
 ) -> Iterator[Candidate]:
     """The arcs one after another from every start where all are within the camera's angles."""
-    first_s, last_s = _window_s(request, session)
+    window = session.window
+    first_s = elapsed_s(request.window_start or window.start_utc, window.start_utc)
+    first_s = max(first_s - OPTIONS.rounding_s, session.slews.settle_s)
+    last_s = elapsed_s(request.window_stop or window.stop_utc, window.start_utc)
+    last_s = min(last_s + OPTIONS.rounding_s, session.duration_s)
     t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
     is_held = np.ones(len(starts_s), dtype=bool)
@@ -194,9 +198,8 @@ def _from_starts(
         effort.charge(OPTIONS.arc_at_start * len(t_s))
         if exit_states is not None:
             t_s = _after_slew_s(exit_states, t_s, arc, session)
-        scan_s = arc.scan_s
-        kept = np.flatnonzero((t_s >= first_s) & (t_s + scan_s <= last_s))
-        in_reach, along_rad = _in_reach(arc, t_s[kept], scan_s, session)
+        kept = np.flatnonzero((t_s >= first_s) & (t_s + arc.scan_s <= last_s))
+        in_reach, along_rad = _in_reach(arc, t_s[kept], session)
         kept = kept[in_reach]
         if not kept.size:
             return
@@ -204,8 +207,8 @@ def _from_starts(
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
         effort.charge(OPTIONS.held * len(kept))
         is_held = is_held[kept] & session.holds(arc, t_s[kept])
-        t_s = t_s[kept] + scan_s
-        exit_states = session.ends(arc, begins_s[-1], scan_s)
+        t_s = t_s[kept] + arc.scan_s
+        exit_states = session.ends(arc, begins_s[-1], arc.scan_s)
     assert exit_states is not None
     entry_states = session.entries(arcs[0], begins_s[0])
     for k in range(len(t_s)):
@@ -223,17 +226,6 @@ def _from_starts(
         )
 
 
-def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, float]:
-    """First and last moment of the request's window within the session."""
-    window = session.window
-    first_s = elapsed_s(request.window_start or window.start_utc, window.start_utc)
-    last_s = elapsed_s(request.window_stop or window.stop_utc, window.start_utc)
-    return (
-        max(first_s - OPTIONS.rounding_s, session.slews.settle_s),
-        min(last_s + OPTIONS.rounding_s, session.duration_s),
-    )
-
-
 def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
     """Starts of the next arc, by slews that leave the scans before at t_s."""
     starts_s = t_s + OPTIONS.slew_guess_s
@@ -243,41 +235,34 @@ def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: Imagi
     return np.asarray(starts_s)
 
 
-def _in_reach(
-    arc: GroundArc, t_s: Array, scan_s: float, session: ImagingSession
-) -> tuple[Mask, Array]:
+def _in_reach(arc: GroundArc, t_s: Array, session: ImagingSession) -> tuple[Mask, Array]:
     """Whether the camera can look at all of the arc, and the largest angle along the track."""
     spacecraft = session.spacecraft
     most_rad = np.deg2rad([spacecraft.along_max_deg, spacecraft.across_max_deg])[:, None]
     in_reach, tilt_rad = np.ones(len(t_s), dtype=bool), np.zeros(len(t_s))
     for share in (0.0, 0.5, 1.0):
-        seen = session.window.passing.look_angles(_point_itrf_m(arc, share), t_s + share * scan_s)
+        [r_point_itrf_m] = arc.point_itrf(np.array([share]))[0]
+        seen = session.window.passing.look_angles(r_point_itrf_m, t_s + share * arc.scan_s)
         in_reach &= np.all(np.abs(seen) <= most_rad, axis=0)
         tilt_rad = np.maximum(tilt_rad, np.abs(seen[0]))
     return in_reach, tilt_rad
 
 
-def _point_itrf_m(arc: GroundArc, share: float) -> Array:
-    return np.asarray(arc.point_itrf(np.array([share]))[0][0])
-
-
 def _too_fast(refused: list[Candidate], number: int, session: ImagingSession) -> InfeasibleSlew:
     """By the limit that the scan lacks most of which lacks least."""
-    gyros, request = session.platform.gyros, session.request.requests[number]
+    gyros, name = session.platform.gyros, session.request.requests[number].name
     assert gyros is not None  # as of every body of this front
     turns, tried = gyros.turns, refused[:: math.ceil(len(refused) / OPTIONS.told_of)]
     shares = min((_used_shares(one, session) for one in tried), key=np.max)
+    rate_n_m_s = turns.torque_rate_max_n_m_s
     limit, than = (
         ("rate", f"faster than the {turns.rate_max_deg_s:.4g} deg/s about an axis"),
         ("torque", f"with more than the {turns.torque_max_n_m:g} N m"),
-        (
-            "torque rate",
-            f"with a torque that changes by more than {turns.torque_rate_max_n_m_s:g} N m/s",
-        ),
+        ("torque rate", f"with a torque that changes by more than {rate_n_m_s:g} N m/s"),
     )[int(np.argmax(shares))]
     first = "unload momentum first, " if any(gyros.start_n_m_s) else ""
     return InfeasibleSlew(
-        f"to scan {request.name!r} the body would have to turn {than} there are; {first}ask for "
+        f"to scan {name!r} the body would have to turn {than} there are; {first}ask for "
         "another scan_speed_m_s or use another pass",
         field=f"requests.{number}",
         limit=limit,

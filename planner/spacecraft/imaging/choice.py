@@ -101,7 +101,7 @@ def _within_session(
     options: list[Candidate], number: int, session: ImagingSession
 ) -> list[Candidate]:
     slews, count = session.slews, len(options)
-    starts_s, stops_s = np.array([(option.start_s, option.stop_s) for option in options]).T
+    starts_s, stops_s, parts = np.array([(one.start_s, one.stop_s, one.part) for one in options]).T
     leaving_s = np.maximum(starts_s - OPTIONS.rest_before_s, 0.0)
     back_by_s = np.minimum(stops_s + OPTIONS.rest_before_s, session.duration_s)
     idle = session.ends(None, np.append(leaving_s, back_by_s), 0.0)
@@ -111,7 +111,6 @@ def _within_session(
         there_s += slews.ticks(np.tile(initial, (count, 1)), idle[:count]) * COMMAND_STEP_S
     back_s = slews.ticks(exits, idle[count:]) * COMMAND_STEP_S - slews.settle_s
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
-    parts = np.array([option.part for option in options])
     lacking = np.flatnonzero(~np.isin(parts, parts[fits]))  # half a pair is no image
     if lacking.size:
         k = int(lacking[0])
@@ -123,33 +122,24 @@ def _within_session(
             field=f"requests.{number}",
             limit="time",
         )
-    kept = [option for option, fit in zip(options, fits, strict=True) if fit]
-    _refuse_looks_too_close(kept, number, slews)
-    return kept
+    # Of a stereo pair some second look has to be in reach of a first one.
+    second, first = map(
+        np.ravel, np.meshgrid(*(np.flatnonzero(fits & (parts == p)) for p in (COMPLETES, OPENS)))
+    )
+    if first.size:
+        needed_s = COMMAND_STEP_S * slews.ticks(exits[first], entries[second])
+        between_s = starts_s[second] - stops_s[first]
+        k = int(np.argmax(between_s - needed_s))
+        if needed_s[k] > between_s[k] + 0.5 * COMMAND_STEP_S:
+            gap_s = float(starts_s[second[k]] - starts_s[first[k]])
+            raise LooksTooClose(number, gap_s, gap_s - between_s[k], needed_s[k])
+    return [option for option, fit in zip(options, fits, strict=True) if fit]
 
 
 def _end_states(options: Sequence[Candidate]) -> tuple[Array, Array]:
     """Entries and exits, (n, 11) each."""
     entries = np.array([option.entry_state for option in options])
     return entries, np.array([option.exit_state for option in options])
-
-
-def _refuse_looks_too_close(options: list[Candidate], number: int, slews: Slews) -> None:
-    """A stereo pair none of whose second looks can be turned to from a first one."""
-    entries, exits = _end_states(options)
-    starts_s, stops_s = np.array([(option.start_s, option.stop_s) for option in options]).T
-    parts = np.array([option.part for option in options])
-    second, first = map(
-        np.ravel, np.meshgrid(*(np.flatnonzero(parts == p) for p in (COMPLETES, OPENS)))
-    )
-    if not first.size:
-        return
-    needed_s = COMMAND_STEP_S * slews.ticks(exits[first], entries[second])
-    between_s = starts_s[second] - stops_s[first]
-    k = int(np.argmax(between_s - needed_s))
-    if needed_s[k] > between_s[k] + 0.5 * COMMAND_STEP_S:
-        gap_s = float(starts_s[second[k]] - starts_s[first[k]])
-        raise LooksTooClose(number, gap_s, gap_s - between_s[k], needed_s[k])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,21 +210,9 @@ def _fitting(session: ImagingSession, options: Sequence[Candidate], first: Choic
     while choice.chosen:
         try:
             timeline = build_timeline(session, choice.chosen)
+            break
         except DoesNotFit as misfit:
             at_fault, why = misfit.candidate, misfit.why
-        else:
-            beside = ["no time beside requests worth more, in the best choice found"]
-            return Chosen(
-                choice=replace(choice, greedy_value=min(first.greedy_value, choice.value)),
-                timeline=timeline,
-                left_out=tuple(
-                    LeftOut(
-                        name=session.request.requests[number].name,
-                        reason=refused.get(number, beside)[-1],
-                    )
-                    for number in sorted(seen - choice.requests)
-                ),
-            )
         refused.setdefault(at_fault.request, []).append(why.detail)
         is_over = len(refused[at_fault.request]) >= OPTIONS.tries
         options = [
@@ -243,7 +221,16 @@ def _fitting(session: ImagingSession, options: Sequence[Candidate], first: Choic
             if one is not at_fault and not (is_over and one.request == at_fault.request)
         ]
         choice = choose(options, session.priorities, session.slews)
-    raise InfeasibleSlew(why.detail, field="requests", limit=why.limit)
+    else:
+        raise InfeasibleSlew(why.detail, field="requests", limit=why.limit)
+    requests = session.request.requests
+    beside = ["no time beside requests worth more, in the best choice found"]
+    left_out = tuple(
+        LeftOut(name=requests[number].name, reason=refused.get(number, beside)[-1])
+        for number in sorted(seen - choice.requests)
+    )
+    choice = replace(choice, greedy_value=min(first.greedy_value, choice.value))
+    return Chosen(choice=choice, timeline=timeline, left_out=left_out)
 
 
 class Imaging(NamedTuple):
@@ -319,7 +306,8 @@ def _made_ready(
         # Beyond, it is followed by way of an idle instant.
         i = np.flatnonzero((ticks > 0) & (ticks < slews.widest_ticks + OPTIONS.wait_ticks))
         effort.charge(OPTIONS.pair * len(i))
-        before.append(i[slews.fit(exits, entries, i, np.full(len(i), j), ticks[i], sign)])
+        entry = np.repeat(entries[j : j + 1], len(i), axis=0)
+        before.append(i[slews.fit(exits[i], entry, ticks[i], sign)])
     return Imaging(
         start_tick=start_tick,
         stop_tick=stop_tick,

@@ -103,28 +103,20 @@ class Slews:
         return math.ceil((self._limits[1] + self.settle_s + self.more_s) / COMMAND_STEP_S)
 
     def fit(
-        self,
-        exit_states: Array,
-        entry_states: Array,
-        before: Indices,
-        after: Indices,
-        ticks: Indices,
-        sign: float = SUFFICIENT,
+        self, exit_states: Array, entry_states: Array, ticks: Indices, sign: float = SUFFICIENT
     ) -> Mask:
-        """Whether so many ticks from scan's end to scan's begin suffice, by numbers of the ends;
+        """Whether so many ticks from each of n scans' ends to its counterpart's begin suffice;
         sign: as of `slew_fits`."""
         left_s = np.asarray(ticks * COMMAND_STEP_S - self.settle_s - self.more_s + 1e-9, np.float64)
-        return np.asarray(
-            _fit(exit_states, entry_states, before, after, self._limits[0], sign, left_s)
-        )
+        return np.asarray(_fit(exit_states, entry_states, self._limits[0], sign, left_s))
 
     def ticks(self, exit_states: Array, entry_states: Array) -> Indices:
         """Whole ticks that suffice from each of n ends to its counterpart."""
-        each = np.arange(len(exit_states))
-        too_few, enough = np.zeros_like(each), np.full_like(each, self.widest_ticks)
+        too_few = np.zeros(len(exit_states), np.intp)
+        enough = np.full_like(too_few, self.widest_ticks)
         while (enough - too_few).max(initial=0) > 1:
             middle = (too_few + enough) // 2
-            fits = self.fit(exit_states, entry_states, each, each, middle)
+            fits = self.fit(exit_states, entry_states, middle)
             too_few, enough = np.where(fits, too_few, middle), np.where(fits, middle, enough)
         return enough
 
@@ -133,16 +125,13 @@ class Slews:
 def _fit(
     exit_states: Array,
     entry_states: Array,
-    before: Indices,
-    after: Indices,
     limits: FollowerLimits,
     sign: float,
     available_s: Array,
 ) -> Mask:
-    fits = np.empty(len(before), np.bool_)
-    for k in range(len(before)):
-        start, end = exit_states[before[k]], entry_states[after[k]]
-        fits[k] = available_s[k] > 0.0 and slew_fits(start, end, limits, sign, available_s[k])
+    fits = np.empty(len(available_s), np.bool_)
+    for k, most_s in enumerate(available_s):
+        fits[k] = most_s > 0.0 and slew_fits(exit_states[k], entry_states[k], limits, sign, most_s)
     return fits
 
 
@@ -213,17 +202,18 @@ class ImagingSession:
         return self.ends(arc, begins_s, -self.slews.settle_s)
 
     @cached_property
-    def _lookout(self) -> tuple[Lookout, Carrier]:
-        lookout = lookout_of(self.platform, None)
-        stop_utc = self.window.stop_utc
-        return lookout, carrier_over(self.ephemeris, lookout, self.epoch_utc, stop_utc)
+    def _lookout(self) -> Lookout:
+        return lookout_of(self.platform, None)
+
+    @cached_property
+    def _carrier(self) -> Carrier:
+        return carrier_over(self.ephemeris, self._lookout, self.epoch_utc, self.window.stop_utc)
 
     def holds(self, arc: GroundArc, begins_s: Array) -> Mask:
         """Whether the body can follow an arc whose scans begin then, settled before, (n,)."""
-        lookout, carrier = self._lookout
         around_s = self.slews.settle_s + COMMAND_STEP_S
-        sight = scan_sight(carrier, arc.path, None, begins_s, around_s)
-        return lookout.held_scans(sight, begins_s, arc.scan_s).as_session
+        sight = scan_sight(self._carrier, arc.path, None, begins_s, around_s)
+        return self._lookout.held_scans(sight, begins_s, arc.scan_s).as_session
 
     @cached_property
     def window(self) -> ScanWindow:
