@@ -16,7 +16,7 @@ from planner.planning.opportunities.request import (
     OpportunityRequest,
     OpportunityTarget,
 )
-from planner.planning.opportunities.search import found_spans
+from planner.planning.opportunities.search import found_edges
 from planner.world.attitude import Attitude
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
@@ -235,12 +235,12 @@ def _view_spans(
             samples=2,
             pixel_arcsec=asked.pixel_arcsec,
         )
-        for numbers, _, spans, _ in found_spans(search, carrier, math.pi):
-            edges_s = np.stack([spans.start_s, spans.stop_s], axis=1)
-            causes = np.stack([spans.opened_by, spans.closed_by], axis=1)
-            for number in np.unique(spans.target).tolist():
-                own = spans.target == number
-                found[first + int(numbers[number])] = _EdgedSpans(edges_s[own], causes[own])
+        for _, _, edges in found_edges(search, carrier, math.pi):
+            edges_s = np.stack([edges.rise_s, edges.set_s], axis=1)
+            causes = np.stack([edges.opened_by, edges.closed_by], axis=1)
+            for number in np.unique(edges.target).tolist():
+                own = edges.target == number
+                found[first + number] = _EdgedSpans(edges_s[own], causes[own])
     return found
 
 

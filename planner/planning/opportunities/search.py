@@ -5,13 +5,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.base.errors import SearchEnded
-from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.margins import (
     CAUSES,
@@ -25,7 +23,7 @@ from planner.planning.opportunities.request import OpportunityConditions, Opport
 from planner.planning.opportunities.sights import Sight, in_sights, resting_sight, sights_of
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import Found, sweep
-from planner.planning.opportunities.telling import highest_over, sky_each, tell
+from planner.planning.opportunities.telling import sky_each, tell
 from planner.planning.opportunities.windows import (
     Opportunities,
     Sightings,
@@ -53,24 +51,6 @@ class WindowSearchOptions:
 OPTIONS = WindowSearchOptions()
 
 
-@dataclass(frozen=True, eq=False)
-class Spans:
-    """Times that meet all conditions, in order of target and time, each (m,).
-
-    opened_by, closed_by: what made each edge, a `Cause`.
-    """
-
-    target: Indices
-    start_s: Array
-    stop_s: Array
-    opened_by: NDArray[np.str_]
-    closed_by: NDArray[np.str_]
-
-    def select(self, rows: NDArray[np.bool_] | Indices) -> "Spans":
-        """Select those at `rows`."""
-        return Spans(*(column[rows] for column in vars(self).values()))
-
-
 class WindowSearch:
     """One carrier with all its targets: what is found follows from the request alone.
 
@@ -93,10 +73,7 @@ class WindowSearch:
     def find(self) -> WindowEdges:
         """All windows, by no more work than one request may make; raises SearchEnded."""
         with at_most(effort.PLAN):
-            plain = (
-                edges_of(numbers, spans, held_s)
-                for numbers, _, spans, held_s in found_spans(self._request, self.carrier)
-            )
+            plain = [edges for _, _, edges in found_edges(self._request, self.carrier)]
             return in_order([*plain, *self.scans()])
         raise _ended(self._request)
 
@@ -160,8 +137,8 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     """Search with whatever work that takes."""
     search, lookout = WindowSearch(request), lookout_of(request.platform, request.attitude)
     found = [
-        describe_windows(request, sight, spans.target, edges_of(numbers, spans, held_s))
-        for numbers, sight, spans, held_s in found_spans(request, search.carrier)
+        describe_windows(request, sight, which, edges)
+        for sight, which, edges in found_edges(request, search.carrier)
     ]
     return Opportunities(
         start_utc=request.start,
@@ -175,30 +152,11 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     )
 
 
-def edges_of(numbers: Indices, spans: Spans, held_s: Array) -> WindowEdges:
-    """Windows of one sight; numbers: its targets' rows in the request.  held_s: (m, 2)."""
-    return WindowEdges(
-        target=numbers[spans.target],
-        rise_s=spans.start_s,
-        set_s=spans.stop_s,
-        held_from_s=held_s[:, 0],
-        held_to_s=held_s[:, 1],
-        opened_by=spans.opened_by,
-        closed_by=spans.closed_by,
-        scan_parameters=np.full((len(spans.target), 7), math.nan),
-    )
-
-
-def highest(sight: Sight, reach: Reach, which: Indices) -> Array:
-    """When targets stand highest over all the carrier's time, and at what elevation, (n, 2)."""
-    return highest_over(scene_of(sight.carrier.tables, reach, NOTHING, sight.places), which)
-
-
-def found_spans(
+def found_edges(
     request: OpportunityRequest, carrier: Carrier, across_rad: float = math.nan
-) -> Iterator[tuple[Indices, Sight, Spans, Array]]:
-    """When all conditions hold, for targets that are treated alike: their rows in the request, how
-    they are seen, the spans by their number among these, and what a session holds of each, (m, 2).
+) -> Iterator[tuple[Sight, Indices, WindowEdges]]:
+    """Windows in which all conditions hold, of targets that are treated alike: how these are seen,
+    and each window's number among them.
 
     across_rad: of a line of sight from the plane of its track at most; sessions are then left out.
     """
@@ -227,7 +185,8 @@ def found_spans(
             if (duty := request.conditions.duty_cycle) is not None:
                 stop_s = np.minimum(held_s[:, 1], held_s[:, 0] + duty.imaging_max_s)
                 held_s = np.stack([held_s[:, 0], stop_s], axis=1)
-        yield numbers, sight, _spans_of(found, lookout.kept_names(sight.images)), held_s
+        kept_names = lookout.kept_names(sight.images)
+        yield sight, found.target, _edges_of(numbers, found, held_s, kept_names)
 
 
 def _count(looks: int) -> None:
@@ -236,10 +195,21 @@ def _count(looks: int) -> None:
     effort.charge(0.0)
 
 
-def _spans_of(found: Found, kept_names: tuple[str, ...]) -> Spans:
-    causes = np.array([*CAUSES, *kept_names])
-    (start_s, stop_s), (opened_by, closed_by) = found.edge_s.T, causes[found.cause.T]
-    return Spans(found.target, start_s, stop_s, opened_by, closed_by)
+def _edges_of(
+    numbers: Indices, found: Found, held_s: Array, kept_names: tuple[str, ...]
+) -> WindowEdges:
+    """numbers: the rows of its targets in the request.  held_s: (m, 2)."""
+    opened_by, closed_by = np.array([*CAUSES, *kept_names])[found.cause.T]
+    return WindowEdges(
+        target=numbers[found.target],
+        rise_s=found.edge_s[:, 0],
+        set_s=found.edge_s[:, 1],
+        held_from_s=held_s[:, 0],
+        held_to_s=held_s[:, 1],
+        opened_by=opened_by,
+        closed_by=closed_by,
+        scan_parameters=np.full((len(found.target), 7), math.nan),
+    )
 
 
 def describe_windows(

@@ -15,11 +15,13 @@ from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.margins import NOTHING, scene_of
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
 from planner.planning.opportunities.scans import scans_by_pass
-from planner.planning.opportunities.search import highest, opportunities_however_many
+from planner.planning.opportunities.search import opportunities_however_many
 from planner.planning.opportunities.sights import in_sights
+from planner.planning.opportunities.telling import highest_over
 from planner.planning.opportunities.windows import Windows
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.targets.earth_fixed import EarthFixedTarget
@@ -95,7 +97,8 @@ def highest_of(
     best_rad, best_s = np.empty(len(target)), np.empty(len(target))
     reach = lookout_of(request.platform, request.attitude).reach
     for rows, sight, which in in_sights(target, request.targets, carrier):
-        best_s[rows], best_rad[rows] = highest(sight, reach, which).T
+        scene = scene_of(sight.carrier.tables, reach, NOTHING, sight.places)
+        best_s[rows], best_rad[rows] = highest_over(scene, which).T
     return best_rad, best_s
 
 
@@ -186,25 +189,15 @@ def _reason(cause: Closing, asked: Mapping[str, float | str | None], before: Win
         what = "it lies in sunglint" if cause == "glint" else "the carrier is in the other light"
         return f"whenever it is in sight {what}: {said}"
     seen = before.through
-    best = {
-        "sun_elevation": _range_deg(seen.sun_elevation_rad),
-        "off_nadir": _range_deg(before.closest.off_nadir_rad),
-        "sun_keep_out": _range_deg(seen.sun_separation_rad),
-        "moon_keep_out": _range_deg(seen.moon_separation_rad),
-        "ground_sample": (float(np.nanmin(before.closest.ground_sample_along_m)),) * 2,
+    if cause == "ground_sample":
+        least_m = np.nanmin(before.closest.ground_sample_along_m)
+        return f"whenever it is in sight a pixel covers, at its closest, {least_m:.1f} m: {said}"
+    what, angle_rad = {
+        "sun_elevation": ("the Sun stands at", seen.sun_elevation_rad),
+        "off_nadir": ("off the nadir it is, at its closest,", before.closest.off_nadir_rad),
+        "sun_keep_out": ("from the Sun it is", seen.sun_separation_rad),
+        "moon_keep_out": ("from the Moon it is", seen.moon_separation_rad),
     }[cause]
-    what = {
-        "sun_elevation": "the Sun stands at",
-        "off_nadir": "off the nadir it is, at its closest,",
-        "sun_keep_out": "from the Sun it is",
-        "moon_keep_out": "from the Moon it is",
-        "ground_sample": "a pixel covers, at its closest,",
-    }[cause]
-    low, high = (f"{one:.1f}" for one in best)
+    low, high = (f"{math.degrees(one):.1f}" for one in (angle_rad.min(), angle_rad.max()))
     reached = low if low == high else f"{low} to {high}"
-    unit = "m" if cause == "ground_sample" else "deg"
-    return f"whenever it is in sight {what} {reached} {unit}: {said}"
-
-
-def _range_deg(angle_rad: Array) -> tuple[float, float]:
-    return math.degrees(angle_rad.min()), math.degrees(angle_rad.max())
+    return f"whenever it is in sight {what} {reached} deg: {said}"

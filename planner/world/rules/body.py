@@ -69,8 +69,7 @@ class BodyRules:
     scan_roll: ClassVar[RollRule | None] = LinesAcrossMotion()
 
     def __init__(self, platform: AnyPlatform) -> None:
-        if not isinstance(platform, BodyPlatform):
-            raise TypeError(f"{platform.name} is no body")
+        assert isinstance(platform, BodyPlatform)  # by the registry
         self.platform = platform
 
     def require(self, scenario: "Scenario") -> None:

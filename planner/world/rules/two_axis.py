@@ -61,8 +61,7 @@ class TwoAxisRules:
     scan_roll: ClassVar[RollRule | None] = None
 
     def __init__(self, platform: AnyPlatform) -> None:
-        if not isinstance(platform, TwoAxisPlatform):
-            raise TypeError(f"{platform.name} has no two axes")
+        assert isinstance(platform, TwoAxisPlatform)  # by the registry
         self.platform = platform
 
     def require(self, scenario: "Scenario") -> None:

@@ -118,8 +118,7 @@ class BodyFlyer:
 
     def __init__(self, scenario: Scenario) -> None:
         platform = scenario.platform
-        if not isinstance(platform, BodyPlatform):
-            raise TypeError(f"{platform.name} is no body")
+        assert isinstance(platform, BodyPlatform)  # by the registry
         self.scenario, self.platform = scenario, platform
         self._prepared: dict[float, tuple[Mask, OrbitStates]] = {}
 

@@ -87,8 +87,7 @@ class BodyLookout:
 
     def __init__(self, platform: AnyPlatform, attitude: AttitudeLaw | None) -> None:
         """attitude: none, a body steers itself."""
-        if not isinstance(platform, BodyPlatform):
-            raise TypeError(f"{platform.name} is no body")
+        assert isinstance(platform, BodyPlatform)  # by the registry
         self.platform = platform
         self.settle_s = platform.envelope.settle_s
         self._tables: dict[tuple[str, Carrier], UniformTable] = {}

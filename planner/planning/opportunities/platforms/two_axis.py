@@ -48,8 +48,7 @@ class TwoAxisLookout:
     sees_bodies = False
 
     def __init__(self, platform: AnyPlatform, attitude: AttitudeLaw | None) -> None:
-        if not isinstance(platform, TwoAxisPlatform):
-            raise TypeError(f"{platform.name} has no two axes")
+        assert isinstance(platform, TwoAxisPlatform)  # by the registry
         self.platform, self.attitude = platform, attitude or LvlhAttitude()
         self.reach = reach_of(platform)
         self.angle_names = platform.axis_names

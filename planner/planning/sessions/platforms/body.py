@@ -126,8 +126,7 @@ class BodyMover:
 
     def __init__(self, scenario: Scenario) -> None:
         platform = scenario.platform
-        if not isinstance(platform, BodyPlatform):
-            raise TypeError(f"{platform.name} is no body")
+        assert isinstance(platform, BodyPlatform)  # by the registry
         self.scenario, self.platform = scenario, platform
         self.limits = agility_limits(platform)
         self.settle_rows = math.ceil(platform.envelope.settle_s * ROWS_PER_S - 1e-6)
