@@ -5,6 +5,7 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.arrays import Array, cross
+from planner.verification.directions import rotation_matrix
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.sky import sky_sight
 from planner.world.frames.time_scales import Instants
@@ -27,21 +28,10 @@ def idle_motion(
     return axes, np.asarray(axes @ (0.5 * np.sum(cross(axes, velocity), axis=0)))
 
 
-def rotated_axes_eci(q_body_from_eci_xyzw: tuple[float, ...]) -> Array:
-    """Rows of the body's axes in ECI, (3, 3), by a quaternion of about unit length."""
-    x, y, z, w = np.asarray(q_body_from_eci_xyzw) / np.linalg.norm(q_body_from_eci_xyzw)
-    matrix = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(matrix)
-
-
 def idle_axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:
     """Rows of the body's axes in ECI at n instants, (n, 3, 3)."""
     if isinstance(law, InertialIdle):
-        return np.tile(rotated_axes_eci(law.q_body_from_eci_xyzw), (len(instants), 1, 1))
+        return np.tile(rotation_matrix(law.q_body_from_eci_xyzw), (len(instants), 1, 1))
     states = ephemeris.states(instants)
     if isinstance(law, NadirIdle):
         toward_eci, aside_eci = -states.r_sat_eci_m, states.v_sat_eci_m_s

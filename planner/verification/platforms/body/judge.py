@@ -8,11 +8,11 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTable
-from planner.verification.directions import apart_rad
+from planner.verification.directions import apart_rad, rotation_matrix
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
 from planner.verification.platforms.body.gyros import gimbal_row_findings, gyro_margins
-from planner.verification.platforms.body.idle import idle_axes_eci, idle_motion, rotated_axes_eci
+from planner.verification.platforms.body.idle import idle_axes_eci, idle_motion
 from planner.verification.platforms.body.limits import body_margins, sizes_limited
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
@@ -42,8 +42,7 @@ class BodyJudge:
     """Of a spacecraft that turns as a whole."""
 
     def __init__(self, table: CommandTable, scenario: Scenario) -> None:
-        if not isinstance(scenario.platform, BodyPlatform):
-            raise TypeError(f"{scenario.platform.name} is no body")
+        assert isinstance(scenario.platform, BodyPlatform)  # by the registry
         self._table, self._platform, self._scenario = table, scenario.platform, scenario
         self._last: tuple[FlownInstants, FlownMotion] | None = None
 
@@ -107,7 +106,7 @@ class BodyJudge:
             where = "the idle attitude"
             if limit == "initial_state" and begin.q_body_from_eci_xyzw is not None:
                 where = "what is asked for"
-                axes_eci = rotated_axes_eci(begin.q_body_from_eci_xyzw)
+                axes_eci = rotation_matrix(begin.q_body_from_eci_xyzw)
                 omega_body_rad_s = np.radians(begin.omega_body_deg_s or np.zeros(3))
             else:
                 axes_eci, omega_body_rad_s = idle_motion(

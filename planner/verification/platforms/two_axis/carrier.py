@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.verification.clock import elapsed_us
-from planner.verification.directions import eci_from_lvlh
+from planner.verification.directions import eci_from_lvlh, rotation_matrix
 from planner.world.attitude import AttitudeLaw
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.attitude.lvlh import LvlhAttitude
@@ -42,7 +42,7 @@ def eci_from_platform(
     states: OrbitStates,
 ) -> Array:
     """Vectors fixed to the platform, shape (n, 3), in ECI at the n instants."""
-    c_platform_from_body = _matrix(platform.q_platform_from_body_xyzw)
+    c_platform_from_body = rotation_matrix(platform.q_platform_from_body_xyzw)
     vector_body = vector_platform @ c_platform_from_body  # rows times C: C transposed, applied
     if isinstance(attitude, DERIVED_LAWS) and attitude.corrections:
         vector_body = _turn_back(vector_body, attitude.turn_rad(instants))
@@ -93,16 +93,4 @@ def _eci_from_spinning(vector_body: Array, attitude: InertialAttitude, instants:
     if speed_rad_s > 0.0:
         since_s = instants.t_s + elapsed_us(instants.epoch_utc, attitude.epoch) / 1e6
         vector_body = _turn(vector_body, rate_rad_s, speed_rad_s * since_s)
-    return np.asarray(vector_body @ _matrix(attitude.q_body_from_eci_xyzw))
-
-
-def _matrix(q: tuple[float, float, float, float]) -> Array:
-    """The rotation v -> q v q* as a matrix; q is scalar last and needs no unit length."""
-    x, y, z, w = np.asarray(q) / np.linalg.norm(q)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return np.asarray(vector_body @ rotation_matrix(attitude.q_body_from_eci_xyzw))
