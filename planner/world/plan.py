@@ -5,10 +5,10 @@ from datetime import datetime
 from typing import Literal, get_args
 
 from planner.base.answer_members import Count, answer
-from planner.base.commands import CommandTable
+from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.rotation import Rotation
 from planner.base.table_motion import motion_at
-from planner.world.frames.time_scales import Instants, RowUtc
+from planner.world.frames.time_scales import Instants, RowUtc, elapsed_s
 from planner.world.orbits import OrbitStates
 from planner.world.scenario import Scenario
 
@@ -31,6 +31,13 @@ class Segment:
     session: Count | None
     start_utc: RowUtc
     stop_utc: RowUtc
+
+
+def segment_rows(table: CommandTable, segment: Segment) -> tuple[int, int]:
+    """Its first and last row."""
+    first_s = elapsed_s(segment.start_utc, table.epoch_utc)
+    last_s = elapsed_s(segment.stop_utc, table.epoch_utc)
+    return round(first_s * ROWS_PER_S), round(last_s * ROWS_PER_S)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +10,8 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.header_text import one_line
-from planner.output.export.description import notes, session_label
-from planner.output.export.figure import AXIS_COLOURS
+from planner.output.export.description import notes
+from planner.output.export.figure import AXIS_COLOURS, session_spans
 from planner.output.export.figure_parts import (
     LIMIT_COLOUR,
     POINTS_MAX,
@@ -24,7 +23,6 @@ from planner.output.export.figure_parts import (
     shown_text,
 )
 from planner.output.export.map_features import thinned
-from planner.world.frames.time_scales import elapsed_s
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,7 +61,7 @@ def draw_comparison(comparison: Comparison, image_format: str, created_utc: date
         float(t_s[0]),
         float(t_s[-1]),
     )
-    shade_spans(panels, _sessions(comparison), "session")
+    shade_spans(panels, session_spans(comparison.plan), "session")
     for axis, colour in zip(comparison.axes, AXIS_COLOURS, strict=False):
         _draw_angles(panels[0], axis, colour)
     for panel, axis, colour in zip(panels[1:], comparison.axes, AXIS_COLOURS, strict=False):
@@ -72,15 +70,6 @@ def draw_comparison(comparison: Comparison, image_format: str, created_utc: date
         panels[0].plot([], [], color=mark, label=label, **_MARK)
     legend_below(figure, panels[0])
     return picture_file(figure, image_format, one_line(title), notes(plan, created_utc))
-
-
-def _sessions(comparison: Comparison) -> Iterator[tuple[float, float, str]]:
-    plan = comparison.plan
-    for number, session in enumerate(plan.scenario.sessions):
-        start_s, stop_s = (
-            elapsed_s(moment, plan.table.epoch_utc) for moment in (session.start, session.stop)
-        )
-        yield start_s, stop_s, session_label(session, number)
 
 
 def _draw_angles(panel: Axes, axis: AxisComparison, colour: str) -> None:

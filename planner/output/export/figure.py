@@ -81,7 +81,7 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
         table.t_s[0],
         table.t_s[-1],
     )
-    shade_spans(panels, _sessions(plan), "session")
+    shade_spans(panels, session_spans(plan), "session")
     closest_s = list(_closest_approaches_s(plan))
     for panel, curves in zip(panels[3:], levels.values(), strict=True):
         _draw_levels(panel, curves)
@@ -109,7 +109,8 @@ def _draw_levels(panel: Axes, curves: list[ResourceCurve]) -> None:
             panel.axhline(limit, color=LIMIT_COLOUR if len(curves) == 1 else colour, **DASHED)
 
 
-def _sessions(plan: FlightPlan) -> Iterator[tuple[float, float, str]]:
+def session_spans(plan: FlightPlan) -> Iterator[tuple[float, float, str]]:
+    """From when to when, s since the table's epoch, and its label."""
     for number, session in enumerate(plan.scenario.sessions):
         start_s, stop_s = (
             elapsed_s(moment, plan.table.epoch_utc) for moment in (session.start, session.stop)

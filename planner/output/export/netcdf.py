@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.commands import ROWS_PER_S, Channel
+from planner.base.commands import Channel
 from planner.base.header_text import one_line
 from planner.output.export.description import QUATERNION, TIME_SCALE, carrier_name
 from planner.output.export.ground import BORESIGHT_PAYLOAD, sights
@@ -19,8 +19,8 @@ from planner.output.export.table_states import (
     table_states,
 )
 from planner.world.frames.geodesy import geodetic_from_itrf
-from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
-from planner.world.plan import KINDS, FlightPlan
+from planner.world.frames.time_scales import DAY_S, Instants, utc_text
+from planner.world.plan import KINDS, FlightPlan, segment_rows
 
 if TYPE_CHECKING:
     from scipy.io import netcdf_file, netcdf_variable
@@ -108,10 +108,7 @@ def _segments(file: netcdf_file, plan: FlightPlan) -> None:
     count = len(plan.table.t_s)
     kind, session = np.zeros(count, dtype="i1"), np.zeros(count, dtype="i4")
     for segment in plan.segments:
-        first, last = (
-            round(elapsed_s(moment, plan.table.epoch_utc) * ROWS_PER_S)
-            for moment in (segment.start_utc, segment.stop_utc)
-        )
+        first, last = segment_rows(plan.table, segment)
         kind[first : last + 1] = KINDS.index(segment.kind)
         session[first : last + 1] = NO_SESSION if segment.session is None else segment.session
     activity = file.createVariable("activity", "b", ("time",))

@@ -26,8 +26,9 @@ from planner.spacecraft.found import AttitudeSlewReport
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import ImagingWindow
-from planner.world.frames.time_scales import elapsed_s, shifted_utc
+from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
+from planner.world.plan import segment_rows
 from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
 
@@ -168,10 +169,7 @@ def report_slews(platform: BodyPlatform, plan: Plan) -> Iterator[AttitudeSlewRep
     for one in plan.segments:
         if one.kind not in ("brake", "slew"):
             continue
-        first, last = (
-            round(elapsed_s(utc, table.epoch_utc) * ROWS_PER_S)
-            for utc in (one.start_utc, one.stop_utc)
-        )
+        first, last = segment_rows(table, one)
         run, is_slew = runs[one.session], one.kind == "slew"
         yield AttitudeSlewReport(
             start_utc=one.start_utc,

@@ -19,8 +19,7 @@ from planner.output.view.columns import BaselineSlew, ConeTrace, MaskTrace
 from planner.output.view.motion import by_dof
 from planner.output.view.platforms.parts import OUTLINE_POINTS, KindParts
 from planner.output.view.scene import PlanScene
-from planner.world.frames.time_scales import elapsed_s
-from planner.world.plan import FlightPlan
+from planner.world.plan import FlightPlan, segment_rows
 from planner.world.platforms import FieldMask, TwoAxisPlatform
 from planner.world.rules.two_axis import axes_of
 
@@ -123,10 +122,7 @@ def _baseline_slews(plan: FlightPlan, every: int) -> Iterator[BaselineSlew]:
     for segment in plan.segments:
         if segment.kind != "slew":
             continue
-        first, last = (
-            round(elapsed_s(moment, table.epoch_utc) * ROWS_PER_S)
-            for moment in (segment.start_utc, segment.stop_utc)
-        )
+        first, last = segment_rows(table, segment)
         profiles = paper_profiles(
             _states(table, first, 0.0 * table.rate_rad_s[first]),
             _states(table, last, _acceleration_after(table, last)),
