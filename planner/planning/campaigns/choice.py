@@ -632,20 +632,20 @@ class Search:
         """
         tries, near = self._options.group_tries, (1.0 - self._options.gap_enough) * bound
         most = self._options.bound_labels_max // max(len(self._networks), 1)
-        others = self._looking.looks_of(self.best)
+        left = self._looking.look_limit - self._looking.looks_of(self.best)
         for number, network in enumerate(self._networks):
             is_better = bool(network.scanned.any()) or self.value < near
             labels = min(most, self._options.exact_labels_max)
-            others[targets_of(self.best[number])] -= 1.0
+            left[targets_of(self.best[number])] += 1.0
             while is_better:
                 is_better = False
                 for out in self._exchanges(number):
                     tries -= len(out) > 0
                     if labels > 0 and (not out or tries >= 0):
-                        is_filled, made = self._fill_exactly(number, out, others, labels)
+                        is_filled, made = self._fill_exactly(number, out, left, labels)
                         is_better |= is_filled
                         labels -= made
-            others[targets_of(self.best[number])] += 1.0
+            left[targets_of(self.best[number])] -= 1.0
 
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
         """Groups that may be put into a pass or taken out of it: none, one, or one for another."""
@@ -668,12 +668,12 @@ class Search:
                 yield one, other
 
     def _fill_exactly(
-        self, number: int, exchanged: tuple[int, ...], others: Array, labels_max: int
+        self, number: int, exchanged: tuple[int, ...], left_limit: Array, labels_max: int
     ) -> tuple[bool, int]:
         """Whether the choice got better by the pass's best path with these groups put in or out,
         and labels made.
 
-        others: looks that each target gets in other passes, (targets,).
+        left_limit: looks at each target that other passes leave, (targets,).
         """
         looking, looks = self._looking, self.best[number]
         wanted = looking.looks_of([looks])
@@ -682,10 +682,11 @@ class Search:
             wanted[members] = 1.0 - wanted[members]
         taken = np.zeros(looking.groups)
         is_member = looking.group >= 0
-        np.maximum.at(taken, looking.group[is_member], (others + wanted)[is_member])
+        looked_at = looking.look_limit - left_limit + wanted
+        np.maximum.at(taken, looking.group[is_member], looked_at[is_member])
         if (np.bincount(looking.way_to, taken) > looking.way_limit).any():
             return False, 0
-        price = np.where(looking.look_limit > others, 0.0, np.inf)
+        price = np.where(left_limit > 0.0, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
         network = self._networks[number]
