@@ -154,7 +154,7 @@ class CampaignTarget:
             return OpportunityTarget(id=self.id, target=self.target.middle)
         return OpportunityTarget(id=self.id, target=self.target, roll=self.roll)
 
-    @property
+    @cached_property
     def lengths_s(self) -> tuple[float, ...]:
         """The lengths an observation may have, ascending, whole command steps; of no mode."""
         assert self.session_s is not None

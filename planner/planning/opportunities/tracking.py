@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array, Mask
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled, inlined, lean, nested
 from planner.base.vectors import (
     Powers,
@@ -443,33 +443,40 @@ def follow(
 
 
 @compiled
-def carried_session(
+def first_not_carried(
     b: Tracking,
     c: CarrierTables,
     p: Places,
-    n: int,
-    span_s: tuple[float, float],
+    numbers: Indices,
+    spans_s: Array,
     before_s: float,
     before: tuple[Vector, Vector],
     off_nadir_rad: float,
-) -> tuple[float, tuple[Vector, Vector]]:
-    """When a session of rule "nearest" is last not held, or NaN; boresight and +X at its end, ITRF.
+) -> tuple[int, float, tuple[Vector, Vector]]:
+    """Of sessions of rule "nearest" after each other the first that isn't held, when it last is
+    not, and boresight and +X at its end, ITRF; those at the end of all where each is held, after
+    their count.
 
+    numbers, spans_s: of the targets, and of the sessions, (n,), (n, 2).
     before: boresight and +X of the camera at before_s, from which it slews there.
     """
-    cells = max(math.ceil((span_s[1] - span_s[0]) / OPTIONS.step_s), 1)
     boresight, aside, unheld_s = before[0], before[1], math.nan
-    for k in range(cells + 1):
-        share = k / cells
-        t_s = (1.0 - share) * span_s[0] + share * span_s[1]
-        d = _seen(c, p, n, t_s)[0]
-        later_s = t_s - before_s
-        aside = _carried_over(aside, boresight, _carried_round(d, later_s))
-        aside = _carried_round(aside, -later_s)
-        if not session_holds(b, c, p, n, t_s, 1.0, aside, off_nadir_rad):
-            unheld_s = t_s
-        before_s, boresight = t_s, d
-    return unheld_s, (boresight, aside)
+    for place in range(len(numbers)):
+        start_s, stop_s = spans_s[place]
+        cells = max(math.ceil((stop_s - start_s) / OPTIONS.step_s), 1)
+        for k in range(cells + 1):
+            share = k / cells
+            t_s = (1.0 - share) * start_s + share * stop_s
+            d = _seen(c, p, numbers[place], t_s)[0]
+            later_s = t_s - before_s
+            aside = _carried_over(aside, boresight, _carried_round(d, later_s))
+            aside = _carried_round(aside, -later_s)
+            if not session_holds(b, c, p, numbers[place], t_s, 1.0, aside, off_nadir_rad):
+                unheld_s = t_s
+            before_s, boresight = t_s, d
+        if not math.isnan(unheld_s):
+            return place, unheld_s, (boresight, aside)
+    return len(numbers), unheld_s, (boresight, aside)
 
 
 @compiled

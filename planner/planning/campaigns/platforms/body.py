@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from itertools import groupby
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from planner.planning.opportunities.tracking import (
     NEAREST,
     Tracking,
     aside_at,
-    carried_session,
+    first_not_carried,
     session_holds,
 )
 from planner.planning.sessions.platforms.body_budget import body_probabilities_at
@@ -147,26 +148,33 @@ class BodyFollower:
         if looks and is_told and looks[0].start_s < 2.0 * self.rest_s:
             before = self._lying(FollowedLook(None, 0.0, 0.0, self.start_state(carrier, 0.0)))
             before_s = 0.0
-        for place, one in enumerate(looks):
-            seen = None if one.row is None else self._seen(carrier, one.row, rows)
-            if seen is not None and seen[0].roll == NEAREST:
-                tracking, sight, number = seen
-                idle = tracking.idle, tracking.idle_step_s, before_s
-                unheld_s, before = carried_session(
-                    tracking,
-                    carrier.tables,
-                    sight.places,
-                    number,
-                    (one.start_s - self.settle_s, one.stop_s),
-                    before_s,
-                    before or (unit(vector_at(*idle, 0)), vector_at(*idle, 3)),
-                    self._lookout.off_nadir_max_rad(sight),
-                )
-                if not math.isnan(unheld_s):
-                    return place, unheld_s
-            else:
-                before = self._lying(one)
-            before_s = one.stop_s
+        seen = [None if one.row is None else self._seen(carrier, one.row, rows) for one in looks]
+        place = 0
+        for _, group in groupby(
+            zip(looks, seen, strict=True), lambda one: id(one[1] and one[1][1])
+        ):
+            own, each = zip(*group, strict=True)
+            alike = [one for one in each if one]
+            if not alike or alike[0][0].roll != NEAREST:
+                before, before_s = self._lying(own[-1]), own[-1].stop_s
+                place += len(own)
+                continue
+            tracking, sight, _ = alike[0]
+            idle = tracking.idle, tracking.idle_step_s, before_s
+            held, unheld_s, before = first_not_carried(
+                tracking,
+                carrier.tables,
+                sight.places,
+                np.array([number for _, _, number in alike]),
+                np.array([(look.start_s - self.settle_s, look.stop_s) for look in own]),
+                before_s,
+                before or (unit(vector_at(*idle, 0)), vector_at(*idle, 3)),
+                self._lookout.off_nadir_max_rad(sight),
+            )
+            place += held
+            if held < len(own):
+                return place, unheld_s
+            before_s = own[-1].stop_s
         return None
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
