@@ -1,7 +1,7 @@
-"""Disturbed flights miss by what geometry says, whoever flies them."""
+"""Disturbed flights miss by what geometry says, whoever flies them; hopeless ones say why."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from planner.base.errors import InvalidInput
 from planner.inflight.flights.draws import draw_run, undisturbed
 from planner.inflight.flights.frames import EXPOSURE_POINTS, exposures_s, frames_of
 from planner.inflight.flights.nominal import ground_view, nominal_session
+from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.runs import fly_nominal, fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.inflight.flights.summary import joined, summarise
@@ -338,3 +339,58 @@ def test_a_plan_without_a_target_is_refused():
     )
     with pytest.raises(InvalidInput, match="no target"):
         session_scenes(made)
+
+
+# Each at an end of its range, beyond which a fifth more or less would be drawn.
+DRIVES = {
+    "held by friction": {"coulomb_deg_s2": 100.0, "breakaway_deg_s2": 100.0},
+    "pulled away by cables": {"cable_tension_deg_s2": 100.0},
+    "pulled back by cables": {"cable_tension_deg_s2": -100.0, "cable_stiffness_per_s2": 10.0},
+    "in syrup": {"viscous_per_s": 100.0},
+}
+
+
+@pytest.fixture(scope="module")
+def calm_plan():
+    return make_plan(
+        replace(scenario(session(LAS_VEGAS, 140, 150)), attitude=LvlhAttitude(uncertainty=STILL))
+    )
+
+
+def found(calm_plan, **changes):
+    """The flight as planned, and four that are not."""
+    flown = replace(calm_plan, scenario=replace(calm_plan.scenario, **changes))
+    [scene] = session_scenes(flown)
+    shown = nominal_session(scene, MovingObject(speed_m_s=20.0))
+    return shown, summarise(fly_runs([scene], 1, 0, 4))
+
+
+def numbers(shown, flights):
+    for member in fields(shown):
+        if member.name not in ("rate_error_rad_s", "gyros"):  # which two axes don't have
+            yield member.name, getattr(shown, member.name)
+    [one] = flights.sessions
+    yield from (("smear", one.smear_px), ("miss", one.miss_m), ("misses", one.miss_rad.edges_rad))
+    for cause in flights.contributors:
+        yield from ((f"{cause.cause} {name}", x) for name, x in vars(cause).items())
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_drives_that_can_not_move_their_axes(calm_plan, name):
+    drive = replace(AxisDrive(), **DRIVES[name])
+    shown, flights = found(calm_plan, platform=replace(ISS_HRC, drives=(drive, drive)))
+    for what, value in numbers(shown, flights):
+        assert isinstance(value, str) or np.all(np.isfinite(value)), what
+    assert shown.held == flights.in_frame.value == 0
+    assert shown.saturated_s.max() == pytest.approx(20.0, abs=0.1)  # the session and its lead
+
+
+def test_an_attitude_that_nobody_knows(calm_plan):
+    lost = AttitudeUncertainty(sigma_body_deg=(90.0, 90.0, 90.0))
+    shown, flights = found(calm_plan, attitude=LvlhAttitude(uncertainty=lost))
+    for what, value in numbers(shown, flights):
+        assert isinstance(value, str) or np.all(np.isfinite(value)), what
+    assert shown.held == shown.frames
+    assert not shown.saturated_s.any()
+    by_cause = {one.cause: one.share for one in flights.contributors}
+    assert by_cause["attitude"] > 0.9
