@@ -175,19 +175,13 @@ def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
             "alpha, beta",
         ),
         ({"targets": [ASKED["targets"][0]] * 2}, "targets.1.id", "taken already"),
-        (
-            {"targets": [ASKED["targets"][0] | {"sensor": "radar"}]},
-            "targets.0.sensor",
-            "colour, infrared",
-        ),
+        ({"targets": [ASKED["targets"][0] | {"sensor": "radar"}]}, "targets.0.sensor",
+         "colour, infrared"),
         ({"stop": "2015-04-30T00:00:00Z"}, "stop", "31 days"),
-        (
-            {"carriers": [CARRIERS["station"] | {"resource": {}}]},
-            "carriers.0.resource",
-            "remove it",
-        ),
+        ({"carriers": [CARRIERS["station"] | {"resource": {}}]}, "carriers.0.resource",
+         "remove it"),
     ],
-)
+)  # fmt: skip
 def test_a_refusal_names_the_field_of_the_request_of_all(change, field, way_out):
     with pytest.raises(InvalidRequest) as refused:
         read_campaign_request(json.dumps(ASKED | change).encode())
