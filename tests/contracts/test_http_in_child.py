@@ -30,10 +30,7 @@ SHORT = request(
 )
 # What a route hands to its child, its bounds, and a request that gets so far.
 ROUTES = {
-    "/v1/opportunities": (
-        (search_routes, "find_windows", "SEARCH_BOUNDS"),
-        {"json": CITIES},
-    ),
+    "/v1/opportunities": ((search_routes, "find_windows", "SEARCH_BOUNDS"), {"json": CITIES}),
     "/v1/orbits/tracks": (
         (opportunities, "orbit_track_json", "SEARCH_BOUNDS"),
         {"json": ORBIT_TRACK_EXAMPLES["tle"][1]},

@@ -43,9 +43,7 @@ from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-SEARCHES = {
-    "/v1/opportunities": OPPORTUNITY_EXAMPLES["cities"][1],
-}
+SEARCHES = {"/v1/opportunities": OPPORTUNITY_EXAMPLES["cities"][1]}
 FLIGHTS = "/v1/flights"
 LIST_MAX, LIST_SHOWN = 10, 5
 LINES_MAX = 12

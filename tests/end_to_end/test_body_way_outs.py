@@ -45,11 +45,7 @@ def way_out(request, start_utc, stop_utc):
 
 @pytest.mark.parametrize(
     ("changes", "objective"),
-    [
-        (BODIES[0], "smooth"),
-        (BODIES[1], "minimum_time"),
-        (BODIES[2], "smooth"),
-    ],
+    [(BODIES[0], "smooth"), (BODIES[1], "minimum_time"), (BODIES[2], "smooth")],
 )
 def test_a_way_out_is_flown_and_no_nearer_start_is(changes, objective):
     refused = 0

@@ -86,10 +86,7 @@ def test_momentum_that_gravity_adds_has_room_or_is_refused(gentle):
     assert begun_with(edge - 1e-3).verification.passed
     with pytest.raises(InfeasibleSlew, match="unload the gyros first") as refused:
         begun_with(edge + 1e-3)
-    assert (refused.value.field, refused.value.limit) == (
-        "platform.gyros.start_n_m_s",
-        "momentum",
-    )
+    assert (refused.value.field, refused.value.limit) == ("platform.gyros.start_n_m_s", "momentum")
 
 
 def gyro_motion(plan):

@@ -323,10 +323,7 @@ def test_bounds_hold_for_axes_that_share_no_least_time():
 def test_axes_that_cannot_be_brought_to_rest_are_refused_as_such():
     """A test motion ends 0.05 deg before the stop, at 1 deg/s: braking takes a degree."""
     motion = BenchMotionTarget(
-        axes={
-            "alpha": ConstantRate(angle_deg=174.95 - 10.0, rate_deg_s=1.0),
-            "beta": standing(0.0),
-        }
+        axes={"alpha": ConstantRate(angle_deg=174.95 - 10.0, rate_deg_s=1.0), "beta": standing(0.0)}
     )
     asked = scenario(session(motion, 200.0, 210.0))
     assert make_plan(asked).verification.passed

@@ -219,10 +219,7 @@ def test_conditions_that_make_no_sense_are_refused_by_field():
             "ra_deg must be given",
         ),
         (directions(*([CAMERA | AROUND[0]] * 17))["conditions"], "at most 16"),
-        (
-            {"directions": [CAMERA | AROUND[0] | {"name": "x"}] * 2},
-            "directions.1.name",
-        ),
+        ({"directions": [CAMERA | AROUND[0] | {"name": "x"}] * 2}, "directions.1.name"),
     ):
         with pytest.raises(InvalidRequest, match=told):
             asked(LAS_VEGAS | {"conditions": conditions})

@@ -243,11 +243,7 @@ def test_a_camera_off_its_roll_rule_is_found(off_arcsec, passes):
 
 @pytest.mark.parametrize(
     "rule",
-    [
-        NearestRoll(),
-        AzimuthRoll(azimuth_deg=90.0),
-        SunSide(direction_body=(1.0, 0.0, 0.0)),
-    ],
+    [NearestRoll(), AzimuthRoll(azimuth_deg=90.0), SunSide(direction_body=(1.0, 0.0, 0.0))],
     ids=lambda rule: rule.rule,
 )
 def test_another_rule_than_the_one_flown_is_broken(table, rule):

@@ -9,9 +9,7 @@ from mask_shapes import inside, mask_corners
 from scipy_boresight import scipy_boresight
 
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
-from planner.motion.slew import (
-    SlewSolution,
-)
+from planner.motion.slew import SlewSolution
 from planner.world.platforms import ISS_HRC, FieldMask
 
 

@@ -13,10 +13,7 @@ from scipy_boresight import scipy_boresight
 from planner.base.errors import InfeasibleSlew
 from planner.motion.detour.detour import avoid_cones
 from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
-from planner.motion.detour.infeasibility_proof import (
-    MasksOverCells,
-    is_unreachable,
-)
+from planner.motion.detour.infeasibility_proof import MasksOverCells, is_unreachable
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.motion.slew.solution import obeys
