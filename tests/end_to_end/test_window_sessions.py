@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from scenarios import HRC, LAS_VEGAS, SALT_LAKE, TLE, at, scenario, session
+from scenarios import HRC, LAS_VEGAS, SALT_LAKE, TLE, advised, at, scenario, session
 
 from app.requests.examples import message
 from planner.base.errors import NotVisible, Refusal, Unreachable
@@ -57,12 +57,7 @@ def test_the_session_of_every_window_plans_as_it_stands(begins_s):
         assert set_s - 0.2 < stop_s <= set_s + 1e-4
         target = replace(PLACES[found.windows.target[window]], min_elevation_deg=ABOVE_DEG)
         start, stop = (shifted_utc(found.start_utc, float(t_s)) for t_s in (start_s, stop_s))
-        asked = scenario(session(target, 0.0, 1.0))
-        asked = replace(
-            asked,
-            initial_state=replace(asked.initial_state, epoch=start - timedelta(seconds=300)),
-            sessions=(replace(asked.sessions[0], start=start, stop=stop),),
-        )
+        asked = session_alone(GALLERY, TLE, LvlhAttitude(), target, start, stop, 300)
         assert make_plan(asked).verification.passed
 
 
@@ -79,6 +74,7 @@ ARM = FieldMask(
     ),
 )  # fmt: skip
 QUITO = GroundTarget(latitude_deg=-0.2, longitude_deg=-78.5, height_m=2850.0)
+LONG = {"start": at(-21600.0), "conditions": OpportunityConditions()}
 PARTLY_FOLLOWED = {
     "a star whose window opens and closes at a stop": (GALLERY, 0.0, StarTarget(hip=32349)),
     "a place the outer axis points straight at": (GALLERY, 80.0, LAS_VEGAS),
@@ -87,15 +83,15 @@ PARTLY_FOLLOWED = {
 }
 
 
-def session_alone(platform, orbit, attitude, target, start, stop):
-    """From rest at zero ten minutes before."""
+def session_alone(platform, orbit, attitude, target, start, stop, lead_s=620):
+    """From rest at zero some minutes before."""
     alone = scenario(session(target, 0.0, 1.0))
     return replace(
         alone,
         platform=platform,
         orbit=orbit,
         attitude=attitude,
-        initial_state=replace(alone.initial_state, epoch=start - timedelta(seconds=620)),
+        initial_state=replace(alone.initial_state, epoch=start - timedelta(seconds=lead_s)),
         sessions=(replace(alone.sessions[0], start=start, stop=stop),),
     )
 
@@ -106,15 +102,7 @@ def session_alone(platform, orbit, attitude, target, start, stop):
 def test_a_session_is_what_the_axes_can_follow_of_its_window(platform, roll_deg, target):
     """By one pair of angles, within their rates, and braked before a stop: no longer part can."""
     attitude = LvlhAttitude(roll_deg=roll_deg)
-    request = OpportunityRequest(
-        orbit=TLE,
-        attitude=attitude,
-        platform=platform,
-        start=at(-21600.0),
-        stop=at(3600.0),
-        targets=(OpportunityTarget(id="it", target=target),),
-    )
-    found = find_opportunities(request)
+    found = find_opportunities(search(target, 1.0, platform=platform, attitude=attitude, **LONG))
     windows = found.windows
     times_s = windows.sessions_s(found.start_utc)
     cut = np.column_stack(
@@ -165,11 +153,11 @@ def test_a_session_no_pair_of_angles_holds_throughout_is_offered_the_longest_par
     asked = session_alone(GALLERY, orbit, attitude, StarTarget(name="Polaris"), start, stop)
     with pytest.raises(Unreachable) as refused:
         make_plan(asked)
-    start, stop = refused.value.earliest_feasible_start_utc, refused.value.feasible_stop_utc
+    better = advised(asked, refused.value)
+    [one] = better.sessions
     # Of 64 min either pair of angles follows for 31 and 37, which overlap.
-    assert (stop - start).total_seconds() > 36 * 60.0
-    advised = replace(asked, sessions=(replace(asked.sessions[0], start=start, stop=stop),))
-    assert make_plan(advised).verification.passed
+    assert (one.stop - one.start).total_seconds() > 36 * 60.0
+    assert make_plan(better).verification.passed
 
 
 def test_a_window_too_short_for_two_rows_has_no_session():
@@ -193,11 +181,11 @@ def test_a_session_that_outlasts_its_window_is_offered_an_earlier_stop(
     asked = scenario(session(target, start_s, stop_s))
     with pytest.raises(NotVisible) as refused:
         make_plan(asked)
-    start, stop = refused.value.earliest_feasible_start_utc, refused.value.feasible_stop_utc
-    assert (start == at(start_s)) == is_start_kept
-    assert abs((stop - at(297.2)).total_seconds()) <= 0.4
-    advised = replace(asked, sessions=(replace(asked.sessions[0], start=start, stop=stop),))
-    assert make_plan(advised).verification.passed
+    better = advised(asked, refused.value)
+    [one] = better.sessions
+    assert (one.start == at(start_s)) == is_start_kept
+    assert abs((one.stop - at(297.2)).total_seconds()) <= 0.4
+    assert make_plan(better).verification.passed
 
 
 def test_no_start_at_the_horizon_is_offered_to_who_left_the_elevation_out():
@@ -215,15 +203,8 @@ def test_no_start_at_the_horizon_is_offered_to_who_left_the_elevation_out():
 def test_who_joins_early_is_offered_a_start_after_the_stop_that_opens_the_window():
     """Asked for 5 s before the star leaves the outer axis's stop, in least time."""
     star = StarTarget(hip=32349)
-    request = OpportunityRequest(
-        orbit=TLE,
-        attitude=LvlhAttitude(),
-        platform=GALLERY,
-        start=at(-21600.0),
-        stop=at(3600.0),
-        targets=(OpportunityTarget(id="it", target=star),),
-    )
-    found = find_opportunities(request)
+    asked = search(star, 1.0, platform=GALLERY, attitude=LvlhAttitude(), **LONG)
+    found = find_opportunities(asked)
     row = int(np.flatnonzero(found.windows.opened_by == "reach")[0])
     start, stop = (
         shifted_utc(found.start_utc, float(t_s))
@@ -267,17 +248,9 @@ def planned_probability(request, found, window):
         shifted_utc(found.start_utc, float(t_s))
         for t_s in found.windows.sessions_s(found.start_utc)[window]
     )
-    asked = scenario(session(request.targets[found.windows.target[window]].target, 0.0, 1.0))
-    plan = make_plan(
-        replace(
-            asked,
-            orbit=request.orbit,
-            attitude=request.law,
-            platform=request.platform,
-            initial_state=replace(asked.initial_state, epoch=start - timedelta(seconds=120)),
-            sessions=(replace(asked.sessions[0], start=start, stop=stop),),
-        )
-    )
+    target = request.targets[found.windows.target[window]].target
+    flown_by = request.platform, request.orbit, request.law
+    plan = make_plan(session_alone(*flown_by, target, start, stop, 120))
     return plan.budgets[0].probability_in_frame
 
 
