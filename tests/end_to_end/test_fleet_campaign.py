@@ -3,22 +3,19 @@
 import csv
 import json
 import zlib
-from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 from databases import fresh_database
+from job_cases import ended_with, new_job
 from typer.testing import CliRunner
 
 from app.answers.campaign import campaign_json
 from app.cli import main
-from app.ids import new_id
-from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import FLEET_READER, read_campaign_request
 from app.requests.plan import read_plan_request
 from app.store import jobs, results
-from app.store.jobs import NewJob
 from app.work.campaign import choose
 from app.work.searches import listing_of_search
 from planner.base.errors import InvalidRequest
@@ -98,16 +95,10 @@ def test_together_they_do_no_worse_than_the_best_of_them_alone(reported):
 def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
     request = read_campaign_request(BODY)
     with fresh_database(tmp_path) as database:
-        new = NewJob(
-            id=new_id(), kind="campaign", name="", request=BODY, request_sha256="", deadline_s=60.0,
-            listing=listing_of_search(request),
-        )  # fmt: skip
+        new = new_job("campaign", request=BODY, listing=listing_of_search(request))
         with database.writing() as connection:
             token = jobs.accept(connection, new, 60.0)
-        chosen = Future()
-        chosen.set_result(choose(BODY))
-        with database.writing() as connection:
-            settle(connection, jobs.job_of_lease(connection, token), CAMPAIGN, chosen, 3)
+        ended_with(database, CAMPAIGN, token, choose(BODY))
         with database.reading() as connection:
             job = jobs.get(connection, new.id)
             document = results.document(connection, new.id)
