@@ -12,17 +12,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 # What two axes are and how they move, and the registries that name the kinds.
 OWN = (
-    "planner/motion",
-    "planner/inflight/simulation",
-    "planner/inflight/telemetry/platforms",
-    "planner/output/view/platforms",
-    "planner/planning/campaigns/platforms",
-    "planner/planning/opportunities/platforms",
-    "planner/planning/sessions/platforms",
-    "planner/verification/platforms",
-    "planner/world/platforms",
-    "planner/world/rules",
-)
+    "planner/motion", "planner/inflight/simulation", "planner/inflight/telemetry/platforms",
+    "planner/output/view/platforms", "planner/planning/campaigns/platforms",
+    "planner/planning/opportunities/platforms", "planner/planning/sessions/platforms",
+    "planner/verification/platforms", "planner/world/platforms", "planner/world/rules",
+)  # fmt: skip
 WORD = re.compile(
     r"\b(axis_names|axis_limits|axis_angles|angles_deg|two_axis|AxisState|AxisTrack|AxisLimits"
     r"|TwoAxisPlatform|(outer|inner)_(axis|limits|name|rad|rate)\w*|q_platform_from_body\w*"

@@ -113,15 +113,8 @@ def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
     assert all("carrier" not in part.facts for part in one.parts)
     told = json.loads(zlib.decompress(one.document))
     members = {
-        "target",
-        "because",
-        "start",
-        "stop",
-        "value",
-        "displaced_by",
-        "displaced_value",
-        "lacks",
-    }
+        "target", "because", "start", "stop", "value", "displaced_by", "displaced_value", "lacks",
+    }  # fmt: skip
     assert told["left_out"]
     assert all({*left} == members for left in told["left_out"])
     assert all({*left} == members | {"carrier"} for left in answer["choice"]["left_out"])

@@ -160,13 +160,9 @@ def test_leap_second_of_2016():
     # IERS Bulletin C 52: 2016-12-31 23:59:59, 23:59:60, 2017-01-01 00:00:00
     instants = Instants(datetime(2016, 12, 31, 23, 59, 59, tzinfo=UTC), np.arange(0.0, 2.6, 0.5))
     assert instants.utc_text(1) == [
-        "2016-12-31T23:59:59.0Z",
-        "2016-12-31T23:59:59.5Z",
-        "2016-12-31T23:59:60.0Z",
-        "2016-12-31T23:59:60.5Z",
-        "2017-01-01T00:00:00.0Z",
-        "2017-01-01T00:00:00.5Z",
-    ]
+        "2016-12-31T23:59:59.0Z", "2016-12-31T23:59:59.5Z", "2016-12-31T23:59:60.0Z",
+        "2016-12-31T23:59:60.5Z", "2017-01-01T00:00:00.0Z", "2017-01-01T00:00:00.5Z",
+    ]  # fmt: skip
     assert elapsed_s(utc_from_text("2017-01-01T00:00:00Z"), instants.epoch_utc) == 2.0
     # TAI - UTC goes from 36 to 37 s: Bulletin C 52
     start, stop = (
