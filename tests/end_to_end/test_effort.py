@@ -295,7 +295,7 @@ def refused_sequences(count):
 def test_advice_that_is_followed_plans():
     """With the session moved, and those left out that this costs; with each offer as it stands."""
     followed = 0
-    for asked, refusal in refused_sequences(10):
+    for asked, refusal in refused_sequences(7):
         if refusal.earliest_feasible_start_utc is not None:
             followed += 1
             number, costs = int(refusal.field.split(".")[1]), refusal.costs_sessions
@@ -307,7 +307,7 @@ def test_advice_that_is_followed_plans():
             assert make_plan(replace(asked, sessions=kept)).verification.passed
         for mode in {offer.on_conflict for offer in getattr(refusal, "relaxations", ())}:
             assert make_plan(replace(asked, on_conflict=mode)).verification.passed
-    assert followed >= 7
+    assert followed >= 5
 
 
 def test_a_start_that_costs_another_session_says_which():

@@ -272,7 +272,7 @@ def test_told_and_flown_probabilities_agree():
         )
     ):
         made = make_plan(
-            replace(scenario(session(target, start_s, start_s + 40)), attitude=attitude)
+            replace(scenario(session(target, start_s, start_s + 20)), attitude=attitude)
         )
         runs = 250
         flown = summarise(fly_runs(as_commanded(*session_scenes(made)), number, 0, runs))
@@ -288,7 +288,7 @@ def test_told_and_flown_probabilities_agree():
 def test_causes_share_what_varies(plan, scene):
     """Nothing but clock and Earth varies where orbit and attitude are exact; all together make
     the whole, for errors that nearly add up."""
-    found = summarise(fly_runs(as_commanded(scene), 1, 0, 200))
+    found = summarise(fly_runs(as_commanded(scene), 1, 0, 100))
     by_cause = {one.cause: one for one in found.contributors}
     assert by_cause["drive"].share == 0.0  # the same table each time
     whole = sum(one.share for one in found.contributors)
@@ -307,7 +307,7 @@ def test_sessions_of_one_plan_share_their_errors():
             attitude=LvlhAttitude(uncertainty=STILL),
         )
     )
-    outcomes = fly_runs(as_commanded(*session_scenes(made)), 4, 0, 200)
+    outcomes = fly_runs(as_commanded(*session_scenes(made)), 4, 0, 80)
     both = summarise(outcomes)
     first, second = (one.in_frame.value for one in both.sessions)
     assert both.in_frame.value <= min(first, second)

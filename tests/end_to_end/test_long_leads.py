@@ -80,7 +80,7 @@ def test_random_leads_are_flown_within_every_limit(lead, objective):
     """From rest or moving, from 40 s to four hours before sessions that lie far apart or near."""
     rng = np.random.default_rng(20261123)
     flown = kinds = 0
-    for _ in range(16):
+    for _ in range(10):
         before_s = 10.0 ** rng.uniform(1.6, 4.1)
         gap_s = rng.uniform(20.0, 110.0)
         moving = rng.integers(2)
@@ -104,7 +104,7 @@ def test_random_leads_are_flown_within_every_limit(lead, objective):
             kinds |= {"wait": 1, "brake": 2}.get(segment.kind, 0)
             if lead != "all" and lead.max_duration_s and segment.kind == "slew":
                 assert length_s(segment) <= lead.max_duration_s + 1e-6
-    assert flown >= 8
+    assert flown >= 5
     assert kinds == (0 if lead == "all" else 3)
 
 
