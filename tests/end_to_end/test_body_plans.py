@@ -11,15 +11,14 @@ import numpy as np
 import other_body
 import pytest
 from other_body import PLATFORM as SMALLSAT
+from planner_values import plan_of, read_request
 from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 from skyfield.api import load, load_file
 
-from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew, InvalidRequest, NotForPlatform
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS, view_plan
-from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.rules.two_axis import axes_of
 
@@ -34,10 +33,6 @@ def body_request(**changes):
     return other_body.body_request(sessions=3) | changes
 
 
-def planned(request):
-    return make_plan(read_plan_request(json.dumps(request).encode()))
-
-
 def without_sun(direction_body, min_deg, **more):
     """The platform with a radiator that must not see the Sun."""
     radiator = {"name": "radiator", "direction_body": direction_body, "away_from": "sun"}
@@ -47,7 +42,7 @@ def without_sun(direction_body, min_deg, **more):
 @pytest.fixture(scope="module")
 def plan():
     platform = without_sun([0.0, 1.0, 0.0], 20.0, when="imaging")
-    return planned(body_request(platform=platform, final_state="idle"))
+    return plan_of(body_request(platform=platform, final_state="idle"))
 
 
 def test_three_cities_are_tracked_from_the_idle_attitude_and_back_to_it(plan):
@@ -83,7 +78,7 @@ def test_least_time_joins_no_later_than_asked_and_a_star_is_a_target_too():
 
     times = {"start": "2015-05-10T10:36:28Z", "stop": "2015-05-10T10:36:40Z"}
     request = body_request(sessions=[{"target": VEGA, **times}], slew={"objective": "minimum_time"})
-    plan = planned(request)
+    plan = plan_of(request)
     assert plan.verification.passed
     joined_utc = next(one.start_utc for one in plan.segments if one.kind == "track")
     assert elapsed_s(plan.scenario.sessions[0].start, joined_utc) >= 4.0
@@ -91,7 +86,7 @@ def test_least_time_joins_no_later_than_asked_and_a_star_is_a_target_too():
 
 def test_least_time_is_sought_to_its_end_for_every_session():
     """Making the solver once took more work than a slew may, and the first fell back to smooth."""
-    plan = planned(body_request(slew={"objective": "minimum_time"}))
+    plan = plan_of(body_request(slew={"objective": "minimum_time"}))
     assert plan.verification.passed
     assert plan.warnings == ()
     assert max(slew.duration_s / slew.minimum_s for slew in plan.slews) < 2.0
@@ -100,14 +95,14 @@ def test_least_time_is_sought_to_its_end_for_every_session():
 def test_a_turn_for_which_there_is_no_time_is_refused_with_the_time_it_takes():
     slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
     with pytest.raises(InfeasibleSlew, match="the body needs") as refused:
-        planned(body_request(platform=slow))
+        plan_of(body_request(platform=slow))
     assert refused.value.field == "sessions.2.start"
 
 
 @pytest.mark.parametrize("mode", ["shorten_later", "least_loss"])
 def test_a_session_cut_short_begins_settled_too(mode):
     slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
-    plan = planned(body_request(platform=slow, on_conflict=mode))
+    plan = plan_of(body_request(platform=slow, on_conflict=mode))
     assert plan.verification.passed
     joined = [one.start_utc for one in plan.segments if one.kind == "track"]
     starts = [session.start for session in plan.scenario.sessions]
@@ -200,7 +195,7 @@ def test_slews_lead_around_what_is_always_excluded(plan):
             tracked |= (begin - 1.0 <= seconds) & (seconds <= end + 1.0)
     least_deg = 0.6 * min(away_deg[tracked].min(), away_deg[0])
     assert away_deg.min() < 0.1 * least_deg
-    around = planned(body_request(platform=without_sun(radiator.tolist(), least_deg)))
+    around = plan_of(body_request(platform=without_sun(radiator.tolist(), least_deg)))
     assert around.verification.passed
     seen = np.array([sun_in_body(around, row) for row in range(0, len(around.table.t_s), 5)])
     assert np.degrees(np.arccos(np.max(seen @ radiator))) > least_deg
@@ -209,7 +204,7 @@ def test_slews_lead_around_what_is_always_excluded(plan):
 def test_an_idle_attitude_inside_an_exclusion_is_refused_by_name(plan):
     facing = without_sun(sun_in_body(plan, 0).tolist(), 5.0)
     with pytest.raises(InfeasibleSlew, match=r"radiator: at 2015-05-10T.* nearer to the Sun") as no:
-        planned(body_request(platform=facing))
+        plan_of(body_request(platform=facing))
     assert (no.value.field, no.value.limit) == ("platform.exclusions", "exclusion")
 
 
@@ -243,7 +238,7 @@ def one_session(target, **members):
 
 @pytest.mark.parametrize("target", BELOW.values(), ids=BELOW.keys())
 def test_what_moves_is_a_target_too(target):
-    plan = planned(one_session(target))
+    plan = plan_of(one_session(target))
     assert plan.verification.passed
     assert plan.verification.findings == ()
 
@@ -260,7 +255,7 @@ def test_what_moves_is_a_target_too(target):
     ids=lambda roll: roll["rule"],
 )
 def test_a_session_has_a_roll_of_its_own(roll):
-    plan = planned(one_session(PATH, roll=roll))
+    plan = plan_of(one_session(PATH, roll=roll))
     assert plan.verification.passed
     assert plan.scenario.sessions[0].roll.rule == roll["rule"]
 
@@ -297,7 +292,7 @@ LEFT_OUT = "must be left out for smallsat"
 )  # fmt: skip
 def test_what_a_kind_of_platform_has_not_is_refused_by_its_field(request_, field, words):
     with pytest.raises(InvalidRequest, match=f"{field}.*: {words}") as refused:
-        read_plan_request(json.dumps(request_).encode())
+        read_request(request_)
     assert refused.value.field.startswith(field)
 
 
@@ -314,7 +309,7 @@ def test_the_budget_is_of_orbit_and_what_the_body_knows_and_controls(plan):
 
 def test_a_body_that_hardly_knows_its_attitude_hardly_keeps_the_target_in_the_frame():
     lost = SMALLSAT | {"knowledge": {"sigma_arcsec": 7200.0, "correlation_s": 5.0}}
-    plan = planned(one_session(PATH, roll={"rule": "nearest"}) | {"platform": lost})
+    plan = plan_of(one_session(PATH, roll={"rule": "nearest"}) | {"platform": lost})
     [budget] = plan.budgets
     assert budget.probability_in_frame < 0.05
     assert budget.helps_most == "attitude knowledge"
@@ -331,7 +326,7 @@ ASKED = {
 def from_state(state, **changes):
     request = body_request(**changes)
     request["initial_state"] |= state
-    return planned(request)
+    return plan_of(request)
 
 
 def test_the_table_begins_with_the_motion_asked_for():

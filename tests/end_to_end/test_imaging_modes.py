@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from geographiclib.geodesic import Geodesic
+from planner_values import read_request
 
 from app.requests.plan import read_plan_request
 from app.store.packed import unpack
@@ -32,7 +33,7 @@ def with_sessions(*sessions, **changes):
 
 
 def read(*sessions, **changes):
-    return read_plan_request(json.dumps(with_sessions(*sessions, **changes)).encode())
+    return read_request(with_sessions(*sessions, **changes))
 
 
 def area(geometry, **members):

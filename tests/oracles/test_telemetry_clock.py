@@ -3,21 +3,18 @@
 Of other_platform.py's flights; a bound and lags that are known beforehand."""
 
 import copy
-import json
 import math
 
 import numpy as np
 import other_platform
 import pytest
 from flown_las_vegas import csv_of, flown_deg, planned
-from planner_values import compare
+from planner_values import compare, plan_of
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.alignment import AlignedColumn, Fit, align
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
-from planner.planning.sessions.pipeline import make_plan
 
 
 def drift_bound(table, t_s, noise_rad, *, with_drives=True):
@@ -145,7 +142,7 @@ def test_a_pass_of_several_targets_tells_the_drift_to_a_millionth(tmp_path):
                 "stop": f"2015-02-27T17:{minute + 1}:30Z",
             }
         )
-    plan = make_plan(read_plan_request(json.dumps(request).encode()))
+    plan = plan_of(request)
     path = tmp_path / "table.csv"
     path.write_text(table_csv(plan.table))
     table = other_platform.read_table(path)

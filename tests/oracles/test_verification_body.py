@@ -134,7 +134,6 @@ def test_the_rate_between_rows_is_judged():
     table = body_table()
     h, peak = COMMAND_STEP_S, np.deg2rad(1.0)
     alpha = np.deg2rad(0.05)
-    rows = np.array([0.0, h])
     turn = peak * h + alpha * h**2 / 6.0  # of a rate peak + alpha u (h - u) / h
     table = dataclasses.replace(
         table,
@@ -142,7 +141,6 @@ def test_the_rate_between_rows_is_judged():
         rate_rad_s=np.array([[peak, 0, 0]] * 2),
         acceleration_rad_s2=np.array([[alpha, 0, 0], [-alpha, 0, 0]]),
     )
-    assert rows[1] == h
     (rate,) = [m for m in BodyJudge(table, body_scenario()).margins() if m.kind == "rate"]
     assert rate.extreme == pytest.approx(peak + alpha * h / 4.0, rel=1e-6)
     assert rate.t_s == pytest.approx(0.1)

@@ -1,6 +1,5 @@
 """Invariants of windows whatever the request."""
 
-import json
 import math
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -9,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from planner_values import plan_of
 from plausible_requests import plausible_request
 
-from app.requests.plan import read_plan_request
 from planner.base import effort
 from planner.base.errors import SearchEnded
 from planner.base.interpolation import UniformTable
@@ -27,7 +26,6 @@ from planner.planning.opportunities.carrier import carrier_over
 from planner.planning.opportunities.looks import in_platform
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import sights_of
-from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.platforms.two_axis.mover import TwoAxisMover
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.field_masks import Region
@@ -280,5 +278,5 @@ def test_an_axis_that_waits_is_not_turned_round_for_the_last_digit(monkeypatch, 
 
     monkeypatch.setattr(TwoAxisMover, "least_s", otherwise_rounded)
     request = plausible_request(1032, sessions_max=3)
-    plan = make_plan(read_plan_request(json.dumps(request).encode()))
+    plan = plan_of(request)
     assert abs(plan.table.position[310, 1] - plan.table.position[0, 1]) < 0.3
