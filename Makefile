@@ -136,7 +136,7 @@ OF_PROCESSES := $(patsubst %,tests/contracts/test_%.py,client_faults cluster wor
 OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,command_line operations python_door \
 	start_failures tutorial)
 OF_PYTHON := tests/architecture/test_compiled.py tests/architecture/test_uvicorn.py \
-	tests/published/test_messages_oem.py tests/published/test_aem.py tests/published/test_time_scales.py \
+	tests/published/test_messages_oem.py tests/published/test_aem.py tests/published/test_frames_and_times.py \
 	tests/oracles/test_flight.py
 
 # What stores, and all services that are asked, on the database that is named, if any; the commands,

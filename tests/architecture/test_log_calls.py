@@ -50,16 +50,11 @@ def test_log_calls_hand_over_values_not_texts():
 @pytest.mark.parametrize(
     "call",
     [
-        "log.error(f'lost {job}')",
-        "log.error('lost %s', job)",
-        "log.error(told)",
-        "log.error('lost', error=repr(error))",
-        "log.error('lost', why=str(error))",
-        "log.error('lost', why=f'{error}')",
-        "log.error('lost', why=traceback.format_exc())",
-        "log.error('lost', exc_info=True)",
-        "log.error('lost', **everything)",
+        "log.error(f'lost {job}')", "log.error('lost %s', job)", "log.error(told)",
+        "log.error('lost', error=repr(error))", "log.error('lost', why=str(error))",
+        "log.error('lost', why=f'{error}')", "log.error('lost', why=traceback.format_exc())",
+        "log.error('lost', exc_info=True)", "log.error('lost', **everything)",
     ],
-)
+)  # fmt: skip
 def test_other_calls_are_found(call):
     assert len(faults(call)) == 1

@@ -104,25 +104,16 @@ class CircleEphemeris(Ephemeris):
         )
 '''
 REGISTRATIONS = (
-    (
-        "planner/world/targets/__init__.py",
-        "    | BenchMotionTarget,\n",
-        "    | BenchMotionTarget | ItrfTarget,\n",
-        "from planner.world.targets.itrf import ItrfTarget\n",
-    ),
-    (
-        "planner/output/export/__init__.py",
-        "] = {\n",
-        '] = {\n    "tab": TAB,\n',
-        "from planner.output.export.tab import TAB\n",
-    ),
-    (
-        "planner/world/orbits/__init__.py",
-        "    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit,\n",
-        "    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit | CircleOrbit,\n",
-        "from planner.world.orbits.circle import CircleOrbit\n",
-    ),
-)
+    ("planner/world/targets/__init__.py", "    | BenchMotionTarget,\n",
+     "    | BenchMotionTarget | ItrfTarget,\n",
+     "from planner.world.targets.itrf import ItrfTarget\n"),
+    ("planner/output/export/__init__.py", "] = {\n", '] = {\n    "tab": TAB,\n',
+     "from planner.output.export.tab import TAB\n"),
+    ("planner/world/orbits/__init__.py",
+     "    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit,\n",
+     "    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit | CircleOrbit,\n",
+     "from planner.world.orbits.circle import CircleOrbit\n"),
+)  # fmt: skip
 USE = """
 import json, sys, time
 from pathlib import Path

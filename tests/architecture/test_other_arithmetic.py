@@ -16,10 +16,7 @@ OLD = (b"Prescott", b"Katmai")  # one core, named by OpenBLAS after either
 
 @pytest.mark.parametrize(
     ("package", "function"),
-    [
-        ("numpy", "scipy_openblas_get_corename64_"),
-        ("scipy", "scipy_openblas_get_corename"),
-    ],
+    [("numpy", "scipy_openblas_get_corename64_"), ("scipy", "scipy_openblas_get_corename")],
 )
 def test_blas_is_of_a_processor_without_wide_vectors(package, function):
     [library] = [f for f in distribution(package).files if "libscipy_openblas" in f.name]

@@ -1,33 +1,19 @@
 """Kinds of work that put the dispatcher to the test."""
 
 import os
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from child_work import (
-    die,
-    die_once,
-    die_once_each,
-    dwell,
-    fail,
-    gather,
-    hang,
-    hang_once,
-    leave_out,
-    linger,
-    note,
-    repeat,
-    rest,
-    share_out,
-    spin,
-    tell,
-)
+import child_work as does
 from distributed import get_worker
 
 from app.ids import new_id
 from app.jobs.child import Bounds
+from app.jobs.job_completion import settle
 from app.jobs.kinds import JobKind
 from app.jobs.shares import Shares
+from app.store import jobs
 from app.store.jobs import NewJob
 
 
@@ -46,8 +32,8 @@ class BoundsWithABug:
 
 
 WORKS = (
-    *(note, spin, rest, hang, hang_once, die, die_once, linger, tell, dwell, fail, repeat),
-    leave_out,
+    *(does.note, does.spin, does.rest, does.hang, does.hang_once, does.die, does.die_once),
+    *(does.linger, does.tell, does.dwell, does.fail, does.repeat, does.leave_out),
 )
 KINDS = {
     work.__name__: JobKind(
@@ -58,11 +44,11 @@ KINDS = {
     )
     for work in WORKS
 }
-SHARES = Shares(may_be=bool, split=share_out, work=die_once_each, stage="shares")
-KINDS["gather"] = replace(KINDS["note"], name="gather", work=gather, shares=SHARES)
+SHARES = Shares(may_be=bool, split=does.share_out, work=does.die_once_each, stage="shares")
+KINDS["gather"] = replace(KINDS["note"], name="gather", work=does.gather, shares=SHARES)
 
 
-def new_job(kind: str, file: Path, **members: object) -> NewJob:
+def new_job(kind: str, file: Path | str = "", **members: object) -> NewJob:
     given = {
         "id": new_id(),
         "kind": kind,
@@ -72,3 +58,11 @@ def new_job(kind: str, file: Path, **members: object) -> NewJob:
         "deadline_s": 120.0,
     }
     return NewJob(**given | members)
+
+
+def ended_with(database, kind: JobKind, token: str, result: object) -> str:
+    """The state of a job whose work ends so, stored as the dispatcher does."""
+    done = Future()
+    done.set_exception(result) if isinstance(result, Exception) else done.set_result(result)
+    with database.writing() as connection:
+        return settle(connection, jobs.job_of_lease(connection, token), kind, done, 3).state

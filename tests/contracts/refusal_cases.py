@@ -38,6 +38,12 @@ def request(*changes: tuple[str, object], example: str = "tle") -> Request:
     return document
 
 
+# The first ten seconds of the session, to be quick.
+SHORT = request(
+    ("initial_state.epoch", "2015-02-27T17:35:00Z"), ("sessions.0.stop", "2015-02-27T17:36:30Z")
+)
+
+
 def _refused(
     name: str, document: Request | str | bytes, slug: str, field: str | None, says: str
 ) -> Refused:

@@ -50,26 +50,14 @@ def changed(path, value, satellite=SMALLSAT):
         ("agility.limits", "axis", "agility.rate_max_deg_s", "must be a list"),
         ("roll.rule", "sideways", "roll.rule", "must be one of lines_across_motion"),
         ("roll", {"rule": "sun_side"}, "roll.direction_body", "is required"),
-        (
-            "roll",
-            {"rule": "sun_side", "direction_body": [0.0, 0.0, -2.0]},
-            "roll.direction_body",
-            "1 deg or more off the line of camera.boresight_body, not 0 deg",
-        ),
+        ("roll", {"rule": "sun_side", "direction_body": [0.0, 0.0, -2.0]}, "roll.direction_body",
+         "1 deg or more off the line of camera.boresight_body, not 0 deg"),
         ("idle.law", "tumble", "idle.law", "must be one of nadir, sun, inertial"),
         ("idle.direction_body", [0.0, 0.0, 0.0], "idle.direction_body", "at least 0.001 long"),
-        (
-            "idle",
-            {"law": "inertial", "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 2.0]},
-            "idle.q_body_from_eci_xyzw",
-            "unit length, not 2",
-        ),
-        (
-            "idle",
-            {"law": "nadir", "forward_body": [0.0, 0.001, -5.0]},
-            "idle.forward_body",
-            "1 deg or more off",
-        ),
+        ("idle", {"law": "inertial", "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 2.0]},
+         "idle.q_body_from_eci_xyzw", "unit length, not 2"),
+        ("idle", {"law": "nadir", "forward_body": [0.0, 0.001, -5.0]}, "idle.forward_body",
+         "1 deg or more off"),
         ("inertia_kg_m2.1.0", 0.2, "inertia_kg_m2.1.0", "must be 0.1 as inertia_kg_m2.0.1"),
         ("inertia_kg_m2.0.0", -11.0, "inertia_kg_m2", "positive principal moments"),
         ("inertia_kg_m2.0.0", 30.0, "inertia_kg_m2", "exceeds the sum of the others"),
@@ -92,7 +80,7 @@ def changed(path, value, satellite=SMALLSAT):
         ("name", "", "name", "must not be empty"),
         ("mass_kg", 120.0, "mass_kg", "not a field of this object"),
     ],
-)
+)  # fmt: skip
 def test_a_body_written_wrongly_is_refused_by_field_value_and_way_out(path, value, field, says):
     require_refused(changed(path, value), field, says)
 

@@ -1,25 +1,22 @@
 """A campaign ends with its last pass, once, whatever becomes of the passes."""
 
-import hashlib
 import json
 import zlib
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 from child_work import Notes, die, die_once, find_looks_once, hang, made, refuse_by
+from job_cases import ended_with, new_job
 from waiting import alive, eventually
 
-from app.ids import new_id
-from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
 from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import ChildDied, Stop, Stopped, Task, run_here
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, results
-from app.store.jobs import NewJob
 from app.store.packed import unzip
 from app.work.campaign import campaign_json, carriers_apart, choose, find_looks, without_refused
 from app.work.plan import plan_and_pack
@@ -37,15 +34,7 @@ def chosen():
 @pytest.fixture
 def campaign_id(database, chosen):
     """A campaign whose passes wait to be planned."""
-    digest = hashlib.sha256(BODY).hexdigest()
-    new = NewJob(
-        id=new_id(),
-        kind="campaign",
-        name="Cities",
-        request=BODY,
-        request_sha256=digest,
-        deadline_s=60.0,
-    )
+    new = new_job("campaign", name="Cities", request=BODY)
     with database.writing() as connection:
         token = jobs.accept(connection, new, 60.0)
     ended_with(database, CAMPAIGN, token, chosen)
@@ -114,14 +103,6 @@ def test_shares_end_with_the_work_and_by_their_own_refusal(tmp_path):
         sharing.make(replace(CAMPAIGN.shares, work=refusing), given, task, Stop())
     with pytest.raises(ChildDied):
         sharing.make(replace(CAMPAIGN.shares, work=die), given[:1], task, Stop())
-
-
-def ended_with(database, kind, token, result):
-    """As the dispatcher stores it."""
-    done = Future()
-    done.set_exception(result) if isinstance(result, Exception) else done.set_result(result)
-    with database.writing() as connection:
-        return settle(connection, jobs.job_of_lease(connection, token), kind, done, 3).state
 
 
 def claimed(database):
@@ -222,9 +203,7 @@ def test_cancelled_campaign_takes_its_passes_along(database, campaign_id):
 
 
 def test_campaign_cancelled_while_choosing_plans_nothing(database, chosen):
-    new = NewJob(
-        id=new_id(), kind="campaign", name="", request=BODY, request_sha256="", deadline_s=60.0
-    )
+    new = new_job("campaign", request=BODY)
     with database.writing() as connection:
         token = jobs.accept(connection, new, 60.0)
         jobs.cancel(connection, new.id)
@@ -238,9 +217,7 @@ def test_best_view_is_told_though_its_quotient_rounds_up(database):
     looks = {"priority": 0.1, "session_s": 6.0, "min_session_s": 6.0}
     request["targets"] = [target | looks for target in request["targets"]]
     body = json.dumps(request).encode()
-    new = NewJob(
-        id=new_id(), kind="campaign", name="", request=body, request_sha256="", deadline_s=60.0
-    )
+    new = new_job("campaign", request=body)
     with database.writing() as connection:
         token = jobs.accept(connection, new, 60.0)
     ended_with(database, CAMPAIGN, token, choose(body))

@@ -66,29 +66,14 @@ def test_every_call_is_among_those_tried():
 JOB = {"id": ID, "state": "done", "name": "", "revision": 1, "warnings": [], "problem": None}
 TABLE = {"epoch": "2015-02-27T17:34:00Z", "t_s": [0.0]}
 LISTS = (
-    "plans",
-    "campaigns",
-    "flights",
-    "opportunities",
-    "windows",
-    "platforms",
-    "places",
-    "stars",
-)
+    "plans", "campaigns", "flights", "opportunities", "windows", "platforms", "places", "stars",
+)  # fmt: skip
 DEEP = 100_000
 HUGE = "9" * 5000
 ODD = [
-    '"../../admin?x="',
-    '"a\\r\\nX: y"',
-    '"\\ud800"',
-    '".."',
-    "7",
-    "null",
-    "{}",
-    "[[]]",
-    '""',
+    '"../../admin?x="', '"a\\r\\nX: y"', '"\\ud800"', '".."', "7", "null", "{}", "[[]]", '""',
     HUGE,
-]
+]  # fmt: skip
 BODIES = {
     "nothing": "",
     "a page": "<html>",

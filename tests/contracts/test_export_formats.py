@@ -34,13 +34,7 @@ DRAWN = [name for name, exporter in EXPORTERS.items() if exporter.shows]
 
 
 def plan_of(
-    epoch_utc=EPOCH_UTC,
-    *,
-    orbit=ISS,
-    target=LAS_VEGAS,
-    name="any",
-    outer="alpha",
-    outer_rad=0.0,
+    epoch_utc=EPOCH_UTC, *, orbit=ISS, target=LAS_VEGAS, name="any", outer="alpha", outer_rad=0.0
 ):
     """Ten seconds with the axes at rest, the last six of them a session."""
     t_s = np.arange(51) / 5.0

@@ -5,6 +5,7 @@ import json
 from concurrent.futures import Future
 
 import pytest
+from job_cases import ended_with, new_job
 from waiting import eventually
 
 import slewtrack
@@ -166,22 +167,11 @@ def test_what_can_not_fly_is_refused_plainly(client):
     assert (answer.status_code, "no target" in answer.json()["detail"]) == (422, True)
     assert client.post(f"/v1/plans/{NOBODY}/flights", json={}).status_code == 404
     with client.app.state.database.writing() as connection:
-        cancelled = job_of("plan", "c")
+        cancelled = new_job("plan", request=b"{}")
         jobs.accept(connection, cancelled)
         jobs.cancel(connection, cancelled.id)
     assert client.get(f"/v1/plans/{cancelled.id}").json()["state"] == "cancelled"
     assert client.post(f"/v1/plans/{cancelled.id}/flights", json={}).status_code == 409
-
-
-def job_of(kind, digit):
-    return jobs.NewJob(
-        id=NOBODY[:-1] + digit,
-        kind=kind,
-        name="",
-        request=b"{}",
-        request_sha256="0" * 64,
-        deadline_s=60.0,
-    )
 
 
 def test_flights_go_with_their_plan(client):
@@ -214,24 +204,15 @@ def _events(client, location):
 def test_a_part_that_fails_is_told_of_the_whole(client, sent):
     """No probability of the runs that are left is passed off as that of all."""
     new = flights_work.prepare_flights(sent)
-    with client.app.state.database.writing() as connection:
-        whole = jobs.NewJob(
-            id=NOBODY[:-1] + "e",
-            kind=FLIGHTS.name,
-            name="",
-            request=b"",
-            request_sha256="0" * 64,
-            deadline_s=60.0,
-            options={"runs": 6, "seed": 3, jobs.NEEDS_ALL: "runs"},
-        )
+    database = client.app.state.database
+    whole = new_job(FLIGHTS.name, options={"runs": 6, "seed": 3, jobs.NEEDS_ALL: "runs"})
+    with database.writing() as connection:
         token = jobs.accept(connection, whole, 60.0)
-        job = jobs.job_of_lease(connection, token)
-        done: Future = Future()
-        done.set_result(new)
-        assert settle(connection, job, FLIGHTS, done, 3).state == "running"
+    assert ended_with(database, FLIGHTS, token, new) == "running"
+    failed: Future = Future()
+    failed.set_exception(Unreachable("no way"))
+    with database.writing() as connection:
         [part] = jobs.parts_of(connection, whole.id)
-        failed: Future = Future()
-        failed.set_exception(Unreachable("no way"))
         settle(connection, part, RUNS, failed, 3)
     told = client.get(f"/v1/flights/{whole.id}").json()
     assert (told["state"], told["problem"]["detail"]) == ("refused", "no way")

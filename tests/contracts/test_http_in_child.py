@@ -9,7 +9,7 @@ from functools import partial
 import pytest
 from child_work import Notes, abort, hang, hoard
 from databases import own_settings
-from refusal_cases import request
+from refusal_cases import SHORT
 from waiting import alive, eventually
 
 from app.http.routes import horizon, opportunities, plan_routes, search_routes
@@ -25,15 +25,9 @@ from app.requests.examples import (
 )
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
-SHORT = request(
-    ("initial_state.epoch", "2015-02-27T17:35:00Z"), ("sessions.0.stop", "2015-02-27T17:36:30Z")
-)
 # What a route hands to its child, its bounds, and a request that gets so far.
 ROUTES = {
-    "/v1/opportunities": (
-        (search_routes, "find_windows", "SEARCH_BOUNDS"),
-        {"json": CITIES},
-    ),
+    "/v1/opportunities": ((search_routes, "find_windows", "SEARCH_BOUNDS"), {"json": CITIES}),
     "/v1/orbits/tracks": (
         (opportunities, "orbit_track_json", "SEARCH_BOUNDS"),
         {"json": ORBIT_TRACK_EXAMPLES["tle"][1]},

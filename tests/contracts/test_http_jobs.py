@@ -9,7 +9,7 @@ import pytest
 from child_work import Notes
 from databases import own_settings
 from job_cases import KINDS, new_job
-from refusal_cases import request
+from refusal_cases import SHORT, request
 from waiting import PatientClient, eventually
 
 from app.http.app import create_app
@@ -21,10 +21,6 @@ from planner.output.export import EXPORTERS
 from planner.planning.sessions.pipeline import make_plan
 
 PLANS = "/v1/plans"
-# The first ten seconds of the session, to keep it quick.
-SHORT = request(
-    ("initial_state.epoch", "2015-02-27T17:35:00Z"), ("sessions.0.stop", "2015-02-27T17:36:30Z")
-)
 LATER = {"Prefer": "respond-async"}
 
 

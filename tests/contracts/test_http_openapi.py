@@ -8,17 +8,7 @@ import pytest
 from jsonschema_rs import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
-from app.requests.examples import (
-    CAMPAIGN_EXAMPLES,
-    ESTIMATE_EXAMPLE,
-    FOUR_MODES,
-    LAS_VEGAS,
-    OPPORTUNITY_EXAMPLES,
-    PICTURE_EXAMPLES,
-    PLAN_EXAMPLES,
-    PREDICTION_EXAMPLES,
-    SESSION_EXAMPLE,
-)
+from app.requests import examples
 from planner.output.export import EXPORTERS
 from planner.world.attitude import ATTITUDES
 from planner.world.orbits import ORBITS
@@ -199,7 +189,7 @@ def test_every_registered_format_is_documented(document):
 
 
 def test_every_registered_kind_has_a_worked_example():
-    requests = [request for _, request in PLAN_EXAMPLES.values()]
+    requests = [request for _, request in examples.PLAN_EXAMPLES.values()]
     assert {request["orbit"]["source"] for request in requests} == set(ORBITS)
     assert {request["attitude"]["law"] for request in requests} == set(ATTITUDES)
     modes = {session["target"]["mode"] for request in requests for session in request["sessions"]}
@@ -214,9 +204,9 @@ def faults(document, schema, answer):
     return [(error.instance_path, error.message) for error in found]
 
 
-@pytest.mark.parametrize("name", OPPORTUNITY_EXAMPLES)
+@pytest.mark.parametrize("name", examples.OPPORTUNITY_EXAMPLES)
 def test_worked_examples_have_windows(client, document, name):
-    answer = client.post("/v1/opportunities", json=OPPORTUNITY_EXAMPLES[name][1])
+    answer = client.post("/v1/opportunities", json=examples.OPPORTUNITY_EXAMPLES[name][1])
     assert answer.status_code == 200, answer.text
     assert faults(document, "OpportunitiesResponse", answer) == []
     assert answer.json()["windows"]
@@ -224,15 +214,15 @@ def test_worked_examples_have_windows(client, document, name):
 
 
 EXAMPLE_FILES = {
-    "las_vegas_2015": LAS_VEGAS,
-    "spacecraft_four_modes": FOUR_MODES,
-    "opportunities_smallsat": OPPORTUNITY_EXAMPLES["smallsat"][1],
-    "campaign_smallsat": CAMPAIGN_EXAMPLES["smallsat"][1],
-    "opportunities_modes": OPPORTUNITY_EXAMPLES["modes"][1],
-    "horizon_estimate": ESTIMATE_EXAMPLE,
-    "horizon_prediction": PREDICTION_EXAMPLES["pass"][1],
-    "horizon_image": PICTURE_EXAMPLES["ahead"][1],
-    "horizon_session": SESSION_EXAMPLE,
+    "las_vegas_2015": examples.LAS_VEGAS,
+    "spacecraft_four_modes": examples.FOUR_MODES,
+    "opportunities_smallsat": examples.OPPORTUNITY_EXAMPLES["smallsat"][1],
+    "campaign_smallsat": examples.CAMPAIGN_EXAMPLES["smallsat"][1],
+    "opportunities_modes": examples.OPPORTUNITY_EXAMPLES["modes"][1],
+    "horizon_estimate": examples.ESTIMATE_EXAMPLE,
+    "horizon_prediction": examples.PREDICTION_EXAMPLES["pass"][1],
+    "horizon_image": examples.PICTURE_EXAMPLES["ahead"][1],
+    "horizon_session": examples.SESSION_EXAMPLE,
 }
 
 

@@ -167,7 +167,7 @@ def test_pages_that_there_can_t_be_are_refused(client, cities, query, field, say
 
 
 def test_pass_table(cities):
-    """As people know it; against Skyfield: tests/oracles/test_pass_table_skyfield.py."""
+    """As people know it; against Skyfield: tests/oracles/test_view_skyfield.py."""
     for window in cities["windows"]:
         sky = window["sky"]
         times = [sky[event]["at"] for event in ("rise", "culmination", "set")]

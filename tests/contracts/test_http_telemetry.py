@@ -199,44 +199,30 @@ def test_plan_and_flight_are_a_table(client, plan, files):
         np.testing.assert_allclose(3600.0 * np.subtract(flown, planned), error, atol=1e-5)
 
 
+def sampled(alpha_deg=(1, 2), t_s=(1, 2), **more):
+    return {"samples": {"t_s": t_s, "alpha_deg": alpha_deg} | more}
+
+
 REFUSED = {
     "no plan": ({}, "plan"),
     "no samples": ({"plan": "x"}, "samples"),
     "a list": ([], None),
-    "no such plan": ({"plan": "x", "samples": {"t_s": [1.0], "alpha_deg": [1.0]}}, "plan"),
+    "no such plan": ({"plan": "x"} | sampled([1.0], [1.0]), "plan"),
     "no times": ({"samples": {"alpha_deg": [1.0]}}, "samples.t_s"),
-    "both times": (
-        {"samples": {"t_s": [1.0], "utc": ["2015-02-27T17:34:00Z"], "alpha_deg": [1.0]}},
-        "samples.t_s",
-    ),
-    "another length": ({"samples": {"t_s": [1, 2], "alpha_deg": [1.0]}}, "samples.alpha_deg"),
-    "words": ({"samples": {"t_s": [1, 2], "alpha_deg": [1.0, "a"]}}, "samples.alpha_deg.1"),
-    "true": ({"samples": {"t_s": [1, 2], "alpha_deg": [1.0, True]}}, "samples.alpha_deg.1"),
-    "no list": ({"samples": {"t_s": [1, 2], "alpha_deg": 5.0}}, "samples.alpha_deg"),
-    "times no list": ({"samples": {"t_s": 5.0, "alpha_deg": []}}, "samples.t_s"),
+    "both times": (sampled([1.0], [1.0], utc=["2015-02-27T17:34:00Z"]), "samples.t_s"),
+    "another length": (sampled([1.0]), "samples.alpha_deg"),
+    "words": (sampled([1.0, "a"]), "samples.alpha_deg.1"),
+    "true": (sampled([1.0, True]), "samples.alpha_deg.1"),
+    "no list": (sampled(5.0), "samples.alpha_deg"),
+    "times no list": (sampled([], 5.0), "samples.t_s"),
     "no axis of it": ({"samples": {"t_s": [1, 2], "gamma_deg": [1, 2]}}, "samples.gamma_deg"),
-    "an axis twice": (
-        {"samples": {"t_s": [1, 2], "alpha_deg": [1, 2], "alpha_rad": [1, 2]}},
-        "samples.alpha_rad",
-    ),
-    "a mapping to nothing": (
-        {"samples": {"t_s": [1, 2], "alpha_deg": [1, 2]}, "columns": {"beta_deg": "B"}},
-        "columns.beta_deg",
-    ),
+    "an axis twice": (sampled(alpha_rad=[1, 2]), "samples.alpha_rad"),
+    "a mapping to nothing": (sampled() | {"columns": {"beta_deg": "B"}}, "columns.beta_deg"),
     "times alone": ({"samples": {"t_s": [1, 2]}}, "samples.alpha_deg"),
-    "all null": ({"samples": {"t_s": [1, 2], "alpha_deg": [None, None]}}, "samples"),
-    "a huge whole number": (
-        {"samples": {"t_s": [1, 2], "alpha_deg": [1, 10**70]}},
-        "samples",
-    ),
-    "an epoch without offset": (
-        {"samples": {"epoch": "2015-02-27T17:34:00", "t_s": [1], "alpha_deg": [1]}},
-        "samples.epoch",
-    ),
-    "a misspelled member": (
-        {"samples": {"t_s": [1], "alpha_deg": [1]}, "correction": []},
-        "correction",
-    ),
+    "all null": (sampled([None, None]), "samples"),
+    "a huge whole number": (sampled([1, 10**70]), "samples"),
+    "an epoch without offset": (sampled([1], [1], epoch="2015-02-27T17:34:00"), "samples.epoch"),
+    "a misspelled member": (sampled([1], [1]) | {"correction": []}, "correction"),
 }
 
 
@@ -336,10 +322,7 @@ def test_what_was_found_is_pasted_into_the_next_request(client, plan, rows):
     """
     at = "2015-02-27T17:37:00Z"
     found = compare(
-        client,
-        plan,
-        json_samples(rows),
-        image_offsets=[{"epoch": at, "offset_deg": [0.1, -0.05]}],
+        client, plan, json_samples(rows), image_offsets=[{"epoch": at, "offset_deg": [0.1, -0.05]}]
     )
     [parts] = found["pointing"]
     assert parts["measured"] == "image"

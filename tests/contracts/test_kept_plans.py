@@ -83,11 +83,7 @@ def test_a_session_of_the_spacecraft(client):
     path = "/v1/spacecraft/plans"
     asked = SPACECRAFT_EXAMPLES["geojson"][1] | {"simulation_runs": 1}
     made = client.made(path, json=asked)
-    request = asked | {
-        "name": HIDDEN,
-        "simulation_runs": 10_000,
-        "stop": "2024-06-02T10:10:00Z",
-    }
+    request = asked | {"name": HIDDEN, "simulation_runs": 10_000, "stop": "2024-06-02T10:10:00Z"}
     assert refusal(client, path, request)
     let_in_once(client, made["id"], request)
     where = f"{path}/{made['id']}"

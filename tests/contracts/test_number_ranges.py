@@ -17,19 +17,8 @@ from typing import Any
 import pytest
 from agile_bodies import GYRO_SAT, SMALLSAT
 
+from app.requests import examples
 from app.requests.campaign import CAMPAIGN_READER, read_campaign_request
-from app.requests.examples import (
-    CAMPAIGN_EXAMPLES,
-    ESTIMATE_EXAMPLE,
-    FLIGHTS_EXAMPLES,
-    LAS_VEGAS,
-    OPPORTUNITY_EXAMPLES,
-    PICTURE_EXAMPLES,
-    PLAN_EXAMPLES,
-    PREDICTION_EXAMPLES,
-    SESSION_EXAMPLE,
-    SPACECRAFT_EXAMPLES,
-)
 from app.requests.plan import PLAN_READER, read_plan_request
 from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.work.flights import FLIGHTS_READER
@@ -49,11 +38,11 @@ FAR_WHOLE = (10**60, -(10**60), 10**9, -(10**9), 0)  # numbers of over 80 digits
 
 
 def _with(**changes: object) -> Document:
-    return {**LAS_VEGAS, **changes}
+    return {**examples.LAS_VEGAS, **changes}
 
 
 def _aimed(**target: object) -> Document:
-    return _with(sessions=[{**LAS_VEGAS["sessions"][0], "target": target}])
+    return _with(sessions=[{**examples.LAS_VEGAS["sessions"][0], "target": target}])
 
 
 def _moved(**motion: object) -> Document:
@@ -73,8 +62,10 @@ _PLACE = {"latitude_deg": 36.0, "longitude_deg": -115.0}
 
 def _body_of(**changes: object) -> Document:
     """Las Vegas by a satellite that turns as a whole, written out."""
-    plan = {key: value for key, value in LAS_VEGAS.items() if key not in ("attitude", "slew")}
-    start = {"epoch": LAS_VEGAS["initial_state"]["epoch"]}
+    plan = {
+        key: value for key, value in examples.LAS_VEGAS.items() if key not in ("attitude", "slew")
+    }
+    start = {"epoch": examples.LAS_VEGAS["initial_state"]["epoch"]}
     return plan | {"initial_state": start, "platform": SMALLSAT | changes}
 
 
@@ -136,11 +127,11 @@ FRAGMENTS = [
     _body_of() | {"platform": GYRO_SAT},
     _body_of(idle={"law": "inertial", "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}),
     _body_of() | {"initial_state": {
-        "epoch": LAS_VEGAS["initial_state"]["epoch"],
+        "epoch": examples.LAS_VEGAS["initial_state"]["epoch"],
         "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0], "omega_body_deg_s": [0.0, 0.1, 0.0],
         "alpha_body_deg_s2": [0.0, 0.01, 0.0]}},
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
-    _with(initial_state=LAS_VEGAS["initial_state"] | {
+    _with(initial_state=examples.LAS_VEGAS["initial_state"] | {
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
     _with(final_state={"angles_deg": {"alpha": 0.0, "beta": 0.0}}),
     _with(attitude={"law": "lvlh", "uncertainty": {
@@ -173,10 +164,11 @@ FRAGMENTS = [
     _moved(kind="triangle", amplitude_deg=1.0, period_s=50.0, turn_s=5.0),
     _moved(kind="multisine", amplitudes_deg=[0.1], frequencies_hz=[0.1], phases_deg=[0.0]),
     _with(horizon_cameras=[
-        ESTIMATE_EXAMPLE["cameras"][0] | {"mask": [[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]]}]),
+        examples.ESTIMATE_EXAMPLE["cameras"][0]
+        | {"mask": [[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]]}]),
 ]  # fmt: skip
 
-_SPACECRAFT = next(iter(SPACECRAFT_EXAMPLES.values()))[1] | {
+_SPACECRAFT = next(iter(examples.SPACECRAFT_EXAMPLES.values()))[1] | {
     "initial_q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0],
     "settings": {"momentum_n_m_s": [0.0, 0.0, 0.0]},
 }
@@ -223,26 +215,26 @@ def _kinds() -> tuple[Asked, ...]:
     template = REFERENCE + "{model}"
     return (
         Asked("plan", read_plan_request, PLAN_READER.json_schema(template),
-              (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
+              (*_shown(examples.PLAN_EXAMPLES), *FRAGMENTS)),
         Asked("campaign", read_campaign_request, CAMPAIGN_READER.json_schema(template),
               tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
                          "view": {}, "revises": _revised(d["start"])}
-                    for d in _shown(CAMPAIGN_EXAMPLES))),
+                    for d in _shown(examples.CAMPAIGN_EXAMPLES))),
         Asked("flights", FLIGHTS_READER.read, FLIGHTS_READER.json_schema(template),
-              _shown(FLIGHTS_EXAMPLES)),
+              _shown(examples.FLIGHTS_EXAMPLES)),
         Asked("opportunities", read_opportunity_request,
-              OPPORTUNITY_READER.json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
+              OPPORTUNITY_READER.json_schema(template), _shown(examples.OPPORTUNITY_EXAMPLES)),
         Asked("spacecraft", read_spacecraft_request, SPACECRAFT_READER.json_schema(template),
-              (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
+              (*_shown(examples.SPACECRAFT_EXAMPLES), _SPACECRAFT)),
         Asked("estimate", ESTIMATE_READER.read, ESTIMATE_READER.json_schema(template),
-              (ESTIMATE_EXAMPLE | {"body": {}},)),
+              (examples.ESTIMATE_EXAMPLE | {"body": {}},)),
         Asked("prediction", PREDICTION_READER.read, PREDICTION_READER.json_schema(template),
-              tuple(d | {"body": {}} for d in _shown(PREDICTION_EXAMPLES))),
+              tuple(d | {"body": {}} for d in _shown(examples.PREDICTION_EXAMPLES))),
         Asked("picture", PICTURE_READER.read, PICTURE_READER.json_schema(template),
               tuple(d | {"scene": {"atmosphere": {}}, "sensor": {}}
-                    for d in _shown(PICTURE_EXAMPLES))),
+                    for d in _shown(examples.PICTURE_EXAMPLES))),
         Asked("series", SESSION_READER.read, SESSION_READER.json_schema(template),
-              (SESSION_EXAMPLE | {"body": {}},)),
+              (examples.SESSION_EXAMPLE | {"body": {}},)),
     )  # fmt: skip
 
 

@@ -117,8 +117,7 @@ def test_ready(client):
 
 
 @pytest.mark.parametrize(
-    ("broken", "name"),
-    [("database_takes_writes", "database"), ("solver_answers", "solver")],
+    ("broken", "name"), [("database_takes_writes", "database"), ("solver_answers", "solver")]
 )
 def test_not_ready(tmp_path, monkeypatch, caplog, broken, name):
     def fails(*_):

@@ -21,10 +21,7 @@ def problem(duration_s=60.0):
     return SlewProblem(
         axis_names=ISS_HRC.axis_names,
         limits=ISS_HRC.axis_limits,
-        start=(
-            AxisState(angle_rad=0.1, rate_rad_s=0.01),
-            AxisState(angle_rad=-0.4),
-        ),
+        start=(AxisState(angle_rad=0.1, rate_rad_s=0.01), AxisState(angle_rad=-0.4)),
         end=(
             AxisState(angle_rad=1.3, rate_rad_s=0.005, acceleration_rad_s2=1e-4),
             AxisState(angle_rad=0.2, rate_rad_s=-0.002),

@@ -21,10 +21,7 @@ LISTENS = "0A"  # in /proc/net/tcp
 @contextmanager
 def small_service(folder: Path, **settings: str) -> Iterator[Service]:
     with live_service(
-        folder,
-        SLEWTRACK_DATABASE_URL="",
-        SLEWTRACK_MAX_CONNECTIONS=str(CONNECTIONS),
-        **settings,
+        folder, SLEWTRACK_DATABASE_URL="", SLEWTRACK_MAX_CONNECTIONS=str(CONNECTIONS), **settings
     ) as service:
         yield service
 
@@ -57,10 +54,7 @@ def connections(service: Service) -> int:
 
 
 def test_all_places_are_free_again_when_they_are_cut_off(tmp_path):
-    with (
-        small_service(tmp_path, SLEWTRACK_WRITE_TIMEOUT_S="1") as service,
-        ExitStack() as held,
-    ):
+    with small_service(tmp_path, SLEWTRACK_WRITE_TIMEOUT_S="1") as service, ExitStack() as held:
         readers = [held.enter_context(closing(slow_reader(service))) for _ in range(CONNECTIONS)]
         eventually(lambda: service.log.read_text().count("/openapi.json") >= len(readers))
         eventually(lambda: status(service) == 200)

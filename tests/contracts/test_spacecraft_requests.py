@@ -71,10 +71,7 @@ def test_a_stereo_pair_has_one_measure_of_its_two_moments():
 @pytest.mark.parametrize("mode", range(4))
 @pytest.mark.parametrize(
     "change",
-    [
-        {"name": ""},
-        {"window_start": "2024-06-01T10:05:00Z", "window_stop": "2024-06-01T10:04:00Z"},
-    ],
+    [{"name": ""}, {"window_start": "2024-06-01T10:05:00Z", "window_stop": "2024-06-01T10:04:00Z"}],
 )
 def test_every_mode_is_asked_the_same(mode, change):
     document = example()

@@ -31,10 +31,7 @@ PATIENT = {"Prefer": "wait=60"}
 def client(tmp_path, monkeypatch):
     """Of a service whose plans never end."""
     hanging = JobKind(
-        name="plan",
-        bounds=KINDS["rest"].bounds,
-        work=KINDS["rest"].work,
-        makes_plans=True,
+        name="plan", bounds=KINDS["rest"].bounds, work=KINDS["rest"].work, makes_plans=True
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
     with TestClient(create_app(own_settings(tmp_path, workers=1))) as client:

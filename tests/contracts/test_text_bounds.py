@@ -8,30 +8,22 @@ from copy import deepcopy
 import pytest
 
 from app.answers.problem import problem_of
+from app.requests import examples
 from app.requests.campaign import read_campaign_request
-from app.requests.examples import (
-    CAMPAIGN_EXAMPLES,
-    LAS_VEGAS,
-    OPPORTUNITY_EXAMPLES,
-    PLAN_EXAMPLES,
-    PREDICTION_EXAMPLES,
-    SPACECRAFT_EXAMPLES,
-    message,
-)
 from app.requests.plan import read_plan_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.horizon import PREDICTION_READER
 from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidInput, Refusal
 
-OEM = message("orbit.oem")
+OEM = examples.message("orbit.oem")
 
 MOST = 200
 READERS: dict[Callable[[bytes], object], dict] = {
-    read_plan_request: PLAN_EXAMPLES,
-    read_campaign_request: CAMPAIGN_EXAMPLES,
-    read_opportunity_request: OPPORTUNITY_EXAMPLES,
-    read_spacecraft_request: SPACECRAFT_EXAMPLES,
+    read_plan_request: examples.PLAN_EXAMPLES,
+    read_campaign_request: examples.CAMPAIGN_EXAMPLES,
+    read_opportunity_request: examples.OPPORTUNITY_EXAMPLES,
+    read_spacecraft_request: examples.SPACECRAFT_EXAMPLES,
 }
 EXAMPLES = [
     pytest.param(read, example, id=f"{read.__name__}-{name}")
@@ -81,17 +73,17 @@ def refusal_of(read, body: bytes) -> str:
     return json.dumps(problem_of(caught.value))
 
 
-CITIES, STRIP = CAMPAIGN_EXAMPLES["cities"][1], SPACECRAFT_EXAMPLES["geojson"][1]
+CITIES, STRIP = examples.CAMPAIGN_EXAMPLES["cities"][1], examples.SPACECRAFT_EXAMPLES["geojson"][1]
 NAMES = [
     *(
-        (read_plan_request, LAS_VEGAS, path)
+        (read_plan_request, examples.LAS_VEGAS, path)
         for path in ("name", "sessions.0.id", "sessions.0.name")
     ),
     *((read_campaign_request, CITIES, path) for path in ("name", "targets.1.id")),
-    (read_opportunity_request, OPPORTUNITY_EXAMPLES["cities"][1], "name"),
+    (read_opportunity_request, examples.OPPORTUNITY_EXAMPLES["cities"][1], "name"),
     (read_spacecraft_request, STRIP, "name"),
     (read_spacecraft_request, STRIP, "requests.features.0.properties.name"),
-    (PREDICTION_READER.read, PREDICTION_EXAMPLES["pass"][1], "cameras.0.name"),
+    (PREDICTION_READER.read, examples.PREDICTION_EXAMPLES["pass"][1], "cameras.0.name"),
 ]
 
 
@@ -111,14 +103,14 @@ def test_what_can_not_be_seen_or_is_long_is_no_name(text):
         if text != HIDDEN["half a pair"]:  # which is no JSON, wherever it stands
             assert problem["field"].endswith(path[-1]), problem
             assert re.search("can't be seen|at most 200", problem["detail"]), problem
-    axes = deepcopy(LAS_VEGAS)
+    axes = deepcopy(examples.LAS_VEGAS)
     axes["initial_state"]["angles_deg"] = {text: 0.0}
     refusal_of(read_plan_request, json.dumps(axes).encode())
 
 
 @pytest.mark.parametrize("name", ["x" * MOST, "Лас-Вегас", "می‌خواهم", "👩‍🚀", "café", ""])
 def test_names_of_all_languages_are_names(name):
-    body = json.dumps(LAS_VEGAS | {"name": name}).encode()
+    body = json.dumps(examples.LAS_VEGAS | {"name": name}).encode()
     assert read_plan_request(body).name == name
 
 
@@ -136,9 +128,9 @@ BIG = "x" * 5_000_000
         {"orbit": {"source": "oem", "content": BIG}},
         {"orbit": {"source": "oem", "content": OEM.replace("EME2000", BIG)}},
         {"orbit": {"source": "oem", "content": OEM.replace("= UTC", f"= {BIG[:1000]}")}},
-        {"initial_state": LAS_VEGAS["initial_state"] | {"epoch": BIG}},
-        {"initial_state": LAS_VEGAS["initial_state"] | {"angles_deg": {BIG: 0.0}}},
-        {"initial_state": LAS_VEGAS["initial_state"] | {BIG: {BIG: BIG}}},
+        {"initial_state": examples.LAS_VEGAS["initial_state"] | {"epoch": BIG}},
+        {"initial_state": examples.LAS_VEGAS["initial_state"] | {"angles_deg": {BIG: 0.0}}},
+        {"initial_state": examples.LAS_VEGAS["initial_state"] | {BIG: {BIG: BIG}}},
         {"slew": {"method": BIG}},
         {"slew": {"keep_out": [{"body": BIG, "half_angle_deg": 5.0}]}},
         {"on_conflict": BIG},
@@ -146,13 +138,13 @@ BIG = "x" * 5_000_000
     ids=lambda change: "-".join(str(name)[:10] for name in change),
 )
 def test_little_is_repeated(change):
-    told = refusal_of(read_plan_request, json.dumps(LAS_VEGAS | change).encode())
+    told = refusal_of(read_plan_request, json.dumps(examples.LAS_VEGAS | change).encode())
     assert len(told) < 10 * MOST
     assert max(len(run) for run in re.findall("x+", told + "x")) <= MOST
 
 
 def test_long_numbers_are_not_repeated():
-    body = json.dumps(LAS_VEGAS).replace('"Las Vegas"', "9" * 4000).encode()
+    body = json.dumps(examples.LAS_VEGAS).replace('"Las Vegas"', "9" * 4000).encode()
     assert "9" * (MOST + 1) not in refusal_of(read_plan_request, body)
 
 

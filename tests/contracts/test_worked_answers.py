@@ -21,19 +21,9 @@ OF_THE_RUN = re.compile(
 # Durations, versions, when a flat curve is at its extreme, a file's bytes, what is measured, and
 # how much is said of what goes on.
 BY_CHANCE = {
-    "wall_s",
-    "solve_s",
-    "stages_wall_s",
-    "version",
-    "versions",
-    "t_s",
-    "at",
-    "max_at",
-    "image_png",
-    "/readyz",
-    "/metrics",
-    "text/event-stream",
-}
+    "wall_s", "solve_s", "stages_wall_s", "version", "versions", "t_s", "at", "max_at",
+    "image_png", "/readyz", "/metrics", "text/event-stream",
+}  # fmt: skip
 # What two processors agree to, relative and absolute, as docs/conventions.md tells.
 AGREED = 1e-4, 1e-6
 # Of flights: an encoder's count that rounding turned is another flight of drives as good.

@@ -15,19 +15,8 @@ from multiprocessing import forkserver
 from pathlib import Path
 from threading import Timer
 
+import child_work
 import pytest
-from child_work import (
-    Notes,
-    allocate,
-    die_within_a_word,
-    fall_silent,
-    hang,
-    keep_much,
-    refuse,
-    say_how_far,
-    spin,
-    used_to_end,
-)
 from waiting import alive, eventually
 
 from app.jobs import child, worker_process
@@ -60,9 +49,9 @@ def test_much_goes_in_and_out():
 
 def test_progress_comes_through_in_order():
     heard = []
-    run_in_worker(BOUNDS, say_how_far, on_progress=heard.append)
+    run_in_worker(BOUNDS, child_work.say_how_far, on_progress=heard.append)
     assert heard == [Progress(stage="begun"), Progress(stage="half", done=1, of=2)]
-    run_in_worker(BOUNDS, say_how_far)  # nobody need listen
+    run_in_worker(BOUNDS, child_work.say_how_far)  # nobody need listen
 
 
 @pytest.mark.parametrize("stream", [1, 2])
@@ -78,7 +67,7 @@ def test_ctrl_c_ends_no_child():
 
 def test_too_long_a_work_is_killed():
     with pytest.raises(TooDemanding, match=r"0\.5 s of a processor"):
-        run_in_worker(Bounds(deadline_s=0.5, memory_mib=200), spin)
+        run_in_worker(Bounds(deadline_s=0.5, memory_mib=200), child_work.spin)
 
 
 def test_work_that_gets_no_processor_is_not_late():
@@ -91,7 +80,7 @@ def test_a_child_that_hangs_is_killed_and_the_request_not_blamed(monkeypatch):
     with pytest.raises(ChildDied, match="did nothing for 1 s"):
         run_in_worker(BOUNDS, time.sleep, 3600.0)
     with pytest.raises(TooDemanding):  # this one works all the while
-        run_in_worker(Bounds(deadline_s=1.0, memory_mib=200), spin)
+        run_in_worker(Bounds(deadline_s=1.0, memory_mib=200), child_work.spin)
 
 
 def test_too_much_memory_is_refused():
@@ -122,7 +111,7 @@ def one_child():
 def test_sound_work_leaves_its_child_for_more():
     with one_child() as same:
         with pytest.raises(InvalidInput):
-            run_in_worker(BOUNDS, refuse, "not so")
+            run_in_worker(BOUNDS, child_work.refuse, "not so")
         assert run_in_worker(BOUNDS, os.getpid) == same
 
 
@@ -131,16 +120,18 @@ def test_each_work_has_bounds_of_its_own():
         may_use_s = []
         for deadline_s, memory_mib in ((120.0, 50), (600.0, 200), (240.0, 100)):
             bounds = Bounds(deadline_s=deadline_s, memory_mib=memory_mib)
-            child, most_s = run_in_worker(bounds, used_to_end)
+            child, most_s = run_in_worker(bounds, child_work.used_to_end)
             assert child == same
             may_use_s.append(most_s)
         assert may_use_s[0] < may_use_s[2] < may_use_s[1]
         with pytest.raises(TooDemanding, match="100 MiB"):
-            run_in_worker(bounds, allocate, 150 * 2**20)
-        assert run_in_worker(BOUNDS, allocate, 150 * 2**20) == 150 * 2**20
+            run_in_worker(bounds, child_work.allocate, 150 * 2**20)
+        assert run_in_worker(BOUNDS, child_work.allocate, 150 * 2**20) == 150 * 2**20
 
 
-@pytest.mark.parametrize("work", [keep_much, os.abort, partial(operator.truediv, 1.0, 0.0)])
+@pytest.mark.parametrize(
+    "work", [child_work.keep_much, os.abort, partial(operator.truediv, 1.0, 0.0)]
+)
 def test_a_child_that_grew_or_failed_does_nothing_more(work):
     with one_child() as first:
         with suppress(ChildDied, ChildFailed):
@@ -223,7 +214,9 @@ def test_a_service_that_needed_no_child_ends_without_complaint():
     assert done.stderr == b""
 
 
-@pytest.mark.parametrize(("work", "exit_code"), [(die_within_a_word, "-6"), (fall_silent, "-9")])
+@pytest.mark.parametrize(
+    ("work", "exit_code"), [(child_work.die_within_a_word, "-6"), (child_work.fall_silent, "-9")]
+)
 def test_a_child_that_breaks_off_is_noticed(work, exit_code):
     with pytest.raises(ChildDied, match=exit_code):
         run_in_worker(BOUNDS, work)
@@ -302,11 +295,11 @@ def test_a_child_whose_server_was_gone_before_it_began_ends():
 
 
 def test_a_child_that_is_stopped_ends(tmp_path):
-    notes, stop = Notes(tmp_path / "notes"), Stop()
+    notes, stop = child_work.Notes(tmp_path / "notes"), Stop()
     with one_child() as stopped, ThreadPoolExecutor() as threads:
         threads.submit(lambda: (eventually(notes.pids), stop.request()))
         with pytest.raises(Stopped):
-            run_in_worker(BOUNDS, hang, os.fsencode(notes.file), stop=stop)
+            run_in_worker(BOUNDS, child_work.hang, os.fsencode(notes.file), stop=stop)
         eventually(lambda: not alive(stopped))
 
 

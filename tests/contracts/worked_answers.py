@@ -23,18 +23,7 @@ from app.http.openapi.schema import ANSWERS
 from app.http.routes import job_routes
 from app.ids import new_id
 from app.jobs.kinds import JOB_KINDS
-from app.requests.examples import (
-    CAMPAIGN_EXAMPLES,
-    COMPARISON_EXAMPLES,
-    ESTIMATE_EXAMPLE,
-    FLIGHTS_EXAMPLES,
-    LAS_VEGAS,
-    OPPORTUNITY_EXAMPLES,
-    ORBIT_TRACK_EXAMPLES,
-    PICTURE_EXAMPLES,
-    PREDICTION_EXAMPLES,
-    SPACECRAFT_EXAMPLES,
-)
+from app.requests import examples
 from app.settings import Settings
 from app.store import jobs
 from app.store.jobs import NewJob
@@ -43,19 +32,17 @@ from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-SEARCHES = {
-    "/v1/opportunities": OPPORTUNITY_EXAMPLES["cities"][1],
-}
+SEARCHES = {"/v1/opportunities": examples.OPPORTUNITY_EXAMPLES["cities"][1]}
 FLIGHTS = "/v1/flights"
 LIST_MAX, LIST_SHOWN = 10, 5
 LINES_MAX = 12
 TEXT_MAX, TEXT_SHOWN = 1000, 60
 WITHOUT_TEXT = {"application/x-netcdf", "image/png", "application/zip"}
 
-STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
-CITIES = CAMPAIGN_EXAMPLES["cities"][1]
+STRIP = examples.SPACECRAFT_EXAMPLES["geojson"][1]
+CITIES = examples.CAMPAIGN_EXAMPLES["cities"][1]
 KEPT = {  # per resource of jobs: kind, request, formats of its table
-    "/v1/plans": ("plan", LAS_VEGAS, EXPORTERS),
+    "/v1/plans": ("plan", examples.LAS_VEGAS, EXPORTERS),
     "/v1/spacecraft/plans": ("spacecraft", STRIP, EXPORTERS),
     "/v1/campaigns": ("campaign", CITIES, {}),
 }
@@ -158,11 +145,11 @@ def _made(answers: Answers, path: str) -> None:
 
 def _flown(answers: Answers) -> None:
     """A plan of its own, so that it can be made by itself."""
-    plan_id = answers.client.post("/v1/plans", json=LAS_VEGAS).json()["id"]
+    plan_id = answers.client.post("/v1/plans", json=examples.LAS_VEGAS).json()["id"]
     path = "/v1/plans/{id}/flights"
-    later = {"json": FLIGHTS_EXAMPLES["errors"][1], "headers": {"Prefer": "respond-async"}}
+    later = {"json": examples.FLIGHTS_EXAMPLES["errors"][1], "headers": {"Prefer": "respond-async"}}
     answers.ask("POST", path, made_id=plan_id, **later)
-    waits = {"json": FLIGHTS_EXAMPLES["series"][1], "headers": {"Prefer": "wait=60"}}
+    waits = {"json": examples.FLIGHTS_EXAMPLES["series"][1], "headers": {"Prefer": "wait=60"}}
     flights_id = answers.ask("POST", path, made_id=plan_id, **waits).json()["id"]
     answers.ask("GET", path, made_id=plan_id)
     answers.ask("GET", FLIGHTS)
@@ -181,18 +168,20 @@ def _seen(answers: Answers, path: str, made_id: str, formats: dict[str, Any]) ->
 def _asked_at_once(answers: Answers) -> None:
     for path, request in SEARCHES.items():
         _searched(answers, path, request)
-    answers.ask("POST", "/v1/orbits/tracks", json=ORBIT_TRACK_EXAMPLES["tle"][1])
-    answers.ask("POST", "/v1/horizon/predictions", json=PREDICTION_EXAMPLES["pass"][1])
+    answers.ask("POST", "/v1/orbits/tracks", json=examples.ORBIT_TRACK_EXAMPLES["tle"][1])
+    answers.ask("POST", "/v1/horizon/predictions", json=examples.PREDICTION_EXAMPLES["pass"][1])
     accept = {"Accept": JSON}
-    answers.ask("POST", "/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1], headers=accept)
+    answers.ask(
+        "POST", "/v1/horizon/images", json=examples.PICTURE_EXAMPLES["ahead"][1], headers=accept
+    )
     files = [
         ("images", (f"{name}.png", (EXAMPLES / f"horizon_{name}.png").read_bytes()))
         for name in ("ahead", "right")
     ]
-    request = {"request": json.dumps(ESTIMATE_EXAMPLE)}
+    request = {"request": json.dumps(examples.ESTIMATE_EXAMPLE)}
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
     [plan] = answers.client.get("/v1/plans", params={"state": "done", "limit": 1}).json()["plans"]
-    compared = COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
+    compared = examples.COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
     for media_type in (JSON, "text/csv", "image/svg+xml"):
         accept = {"Accept": media_type}
         answers.ask("POST", "/v1/telemetry/comparisons", json=compared, headers=accept)

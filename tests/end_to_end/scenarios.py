@@ -33,6 +33,19 @@ def session(target, start_s, stop_s):
     return Session(target=target, start=at(start_s), stop=at(stop_s))
 
 
+def moved(asked, start, stop, number=0):
+    """The request with a session at other times."""
+    sessions = list(asked.sessions)
+    sessions[number] = replace(sessions[number], start=start, stop=stop)
+    return replace(asked, sessions=tuple(sessions))
+
+
+def advised(asked, refusal, number=0):
+    """The request with its session at the times that a refusal names."""
+    times = refusal.earliest_feasible_start_utc, refusal.feasible_stop_utc
+    return moved(asked, *times, number)
+
+
 def scenario(*sessions, alpha=(0.0, 0.0, 0.0), beta=(0.0, 0.0, 0.0), epoch_s=0, slew=None, **more):
     motion = {
         what: {"alpha": alpha[order], "beta": beta[order]}

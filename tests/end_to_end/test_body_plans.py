@@ -11,15 +11,14 @@ import numpy as np
 import other_body
 import pytest
 from other_body import PLATFORM as SMALLSAT
+from planner_values import plan_of, read_request
 from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 from skyfield.api import load, load_file
 
-from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew, InvalidRequest, NotForPlatform
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS, view_plan
-from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.rules.two_axis import axes_of
 
@@ -34,15 +33,16 @@ def body_request(**changes):
     return other_body.body_request(sessions=3) | changes
 
 
-def planned(request):
-    return make_plan(read_plan_request(json.dumps(request).encode()))
+def without_sun(direction_body, min_deg, **more):
+    """The platform with a radiator that must not see the Sun."""
+    radiator = {"name": "radiator", "direction_body": direction_body, "away_from": "sun"}
+    return SMALLSAT | {"exclusions": [radiator | {"min_deg": min_deg} | more]}
 
 
 @pytest.fixture(scope="module")
 def plan():
-    radiator = {"name": "radiator", "direction_body": [0.0, 1.0, 0.0], "when": "imaging"}
-    excluded = [radiator | {"away_from": "sun", "min_deg": 20.0}]
-    return planned(body_request(platform=SMALLSAT | {"exclusions": excluded}, final_state="idle"))
+    platform = without_sun([0.0, 1.0, 0.0], 20.0, when="imaging")
+    return plan_of(body_request(platform=platform, final_state="idle"))
 
 
 def test_three_cities_are_tracked_from_the_idle_attitude_and_back_to_it(plan):
@@ -75,10 +75,10 @@ def test_the_boresight_stands_on_the_city_as_it_appears(plan):
 
 
 def test_least_time_joins_no_later_than_asked_and_a_star_is_a_target_too():
-    star = {"mode": "star", "name": "Vega"}
+
     times = {"start": "2015-05-10T10:36:28Z", "stop": "2015-05-10T10:36:40Z"}
-    request = body_request(sessions=[{"target": star, **times}], slew={"objective": "minimum_time"})
-    plan = planned(request)
+    request = body_request(sessions=[{"target": VEGA, **times}], slew={"objective": "minimum_time"})
+    plan = plan_of(request)
     assert plan.verification.passed
     joined_utc = next(one.start_utc for one in plan.segments if one.kind == "track")
     assert elapsed_s(plan.scenario.sessions[0].start, joined_utc) >= 4.0
@@ -86,7 +86,7 @@ def test_least_time_joins_no_later_than_asked_and_a_star_is_a_target_too():
 
 def test_least_time_is_sought_to_its_end_for_every_session():
     """Making the solver once took more work than a slew may, and the first fell back to smooth."""
-    plan = planned(body_request(slew={"objective": "minimum_time"}))
+    plan = plan_of(body_request(slew={"objective": "minimum_time"}))
     assert plan.verification.passed
     assert plan.warnings == ()
     assert max(slew.duration_s / slew.minimum_s for slew in plan.slews) < 2.0
@@ -95,40 +95,19 @@ def test_least_time_is_sought_to_its_end_for_every_session():
 def test_a_turn_for_which_there_is_no_time_is_refused_with_the_time_it_takes():
     slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
     with pytest.raises(InfeasibleSlew, match="the body needs") as refused:
-        planned(body_request(platform=slow))
+        plan_of(body_request(platform=slow))
     assert refused.value.field == "sessions.2.start"
 
 
 @pytest.mark.parametrize("mode", ["shorten_later", "least_loss"])
 def test_a_session_cut_short_begins_settled_too(mode):
     slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
-    plan = planned(body_request(platform=slow, on_conflict=mode))
+    plan = plan_of(body_request(platform=slow, on_conflict=mode))
     assert plan.verification.passed
     joined = [one.start_utc for one in plan.segments if one.kind == "track"]
     starts = [session.start for session in plan.scenario.sessions]
     settled_s = [elapsed_s(*pair) for pair in zip(starts, joined, strict=True)]
     assert min(settled_s) == pytest.approx(4.0)
-
-
-@pytest.mark.parametrize(
-    ("changes", "field"),
-    [
-        ({"attitude": {"law": "lvlh"}}, "attitude"),
-        ({"final_state": "rest"}, "final_state"),
-        ({"slew": {"keep_out": [{"body": "sun", "half_angle_deg": 20.0}]}}, "slew.keep_out"),
-        ({"slew": {"method": "spline"}}, "slew.method"),
-    ],
-)
-def test_what_only_axes_have_is_refused_by_its_field(changes, field):
-    with pytest.raises(InvalidRequest, match=f"{field}: must be left out for smallsat"):
-        read_plan_request(json.dumps(body_request(**changes)).encode())
-
-
-def test_two_axes_need_a_carriers_attitude():
-    request = json.loads(THREE_CITIES.read_text())
-    del request["attitude"]
-    with pytest.raises(InvalidRequest, match="attitude"):
-        read_plan_request(json.dumps(request).encode())
 
 
 def test_what_is_made_for_axes_alone_says_so(plan):
@@ -216,28 +195,16 @@ def test_slews_lead_around_what_is_always_excluded(plan):
             tracked |= (begin - 1.0 <= seconds) & (seconds <= end + 1.0)
     least_deg = 0.6 * min(away_deg[tracked].min(), away_deg[0])
     assert away_deg.min() < 0.1 * least_deg
-    exclusion = {
-        "name": "radiator",
-        "direction_body": radiator.tolist(),
-        "away_from": "sun",
-        "min_deg": least_deg,
-    }
-    around = planned(body_request(platform=SMALLSAT | {"exclusions": [exclusion]}))
+    around = plan_of(body_request(platform=without_sun(radiator.tolist(), least_deg)))
     assert around.verification.passed
     seen = np.array([sun_in_body(around, row) for row in range(0, len(around.table.t_s), 5)])
     assert np.degrees(np.arccos(np.max(seen @ radiator))) > least_deg
 
 
 def test_an_idle_attitude_inside_an_exclusion_is_refused_by_name(plan):
-    facing = sun_in_body(plan, 0)
-    exclusion = {
-        "name": "radiator",
-        "direction_body": facing.tolist(),
-        "away_from": "sun",
-        "min_deg": 5.0,
-    }
+    facing = without_sun(sun_in_body(plan, 0).tolist(), 5.0)
     with pytest.raises(InfeasibleSlew, match=r"radiator: at 2015-05-10T.* nearer to the Sun") as no:
-        planned(body_request(platform=SMALLSAT | {"exclusions": [exclusion]}))
+        plan_of(body_request(platform=facing))
     assert (no.value.field, no.value.limit) == ("platform.exclusions", "exclusion")
 
 
@@ -271,7 +238,7 @@ def one_session(target, **members):
 
 @pytest.mark.parametrize("target", BELOW.values(), ids=BELOW.keys())
 def test_what_moves_is_a_target_too(target):
-    plan = planned(one_session(target))
+    plan = plan_of(one_session(target))
     assert plan.verification.passed
     assert plan.verification.findings == ()
 
@@ -288,30 +255,45 @@ def test_what_moves_is_a_target_too(target):
     ids=lambda roll: roll["rule"],
 )
 def test_a_session_has_a_roll_of_its_own(roll):
-    plan = planned(one_session(PATH, roll=roll))
+    plan = plan_of(one_session(PATH, roll=roll))
     assert plan.verification.passed
     assert plan.scenario.sessions[0].roll.rule == roll["rule"]
 
 
+def of_axes(**changes):
+    """The example of three cities by two axes."""
+    request = json.loads(THREE_CITIES.read_text()) | changes
+    return {name: value for name, value in request.items() if value is not None}
+
+
+VEGA = {"mode": "star", "name": "Vega"}
+SESSIONS = json.loads(THREE_CITIES.read_text())["sessions"]
+LEFT_OUT = "must be left out for smallsat"
+
+
 @pytest.mark.parametrize(
-    ("target", "roll", "field"),
+    ("request_", "field", "words"),
     [
-        ({"mode": "star", "name": "Vega"}, {"rule": "azimuth", "azimuth_deg": 1.0}, "roll"),
-        (BELOW["body"], {"rule": "lines_across_motion"}, "roll"),
-        (PATH, {"rule": "sun_side", "direction_body": [0, 0, 1]}, "roll.direction_body"),
+        (body_request(attitude={"law": "lvlh"}), "attitude", LEFT_OUT),
+        (body_request(final_state="rest"), "final_state", LEFT_OUT),
+        (body_request(slew={"keep_out": [{"body": "sun", "half_angle_deg": 20.0}]}),
+         "slew.keep_out", LEFT_OUT),
+        (body_request(slew={"method": "spline"}), "slew.method", LEFT_OUT),
+        (of_axes(attitude=None), "attitude", ""),
+        (of_axes(sessions=[SESSIONS[0], SESSIONS[1] | {"roll": {"rule": "nearest"}}]),
+         "sessions.1.roll", "must be left out for iss-hrc"),
+        (one_session(VEGA, roll={"rule": "azimuth", "azimuth_deg": 1.0}), "sessions.0.roll",
+         "must "),
+        (one_session(BELOW["body"], roll={"rule": "lines_across_motion"}), "sessions.0.roll",
+         "must "),
+        (one_session(PATH, roll={"rule": "sun_side", "direction_body": [0, 0, 1]}),
+         "sessions.0.roll.direction_body", "must "),
     ],
-)
-def test_a_roll_that_says_nothing_of_its_target_is_refused(target, roll, field):
-    with pytest.raises(InvalidRequest, match=rf"sessions\.0\.{field}: must ") as refused:
-        read_plan_request(json.dumps(one_session(target, roll=roll)).encode())
-    assert refused.value.field.startswith("sessions.0.roll")
-
-
-def test_two_axes_have_no_roll():
-    request = json.loads(THREE_CITIES.read_text())
-    request["sessions"][1]["roll"] = {"rule": "nearest"}
-    with pytest.raises(InvalidRequest, match=r"sessions\.1\.roll: must be left out for iss-hrc"):
-        read_plan_request(json.dumps(request).encode())
+)  # fmt: skip
+def test_what_a_kind_of_platform_has_not_is_refused_by_its_field(request_, field, words):
+    with pytest.raises(InvalidRequest, match=f"{field}.*: {words}") as refused:
+        read_request(request_)
+    assert refused.value.field.startswith(field)
 
 
 def test_the_budget_is_of_orbit_and_what_the_body_knows_and_controls(plan):
@@ -327,7 +309,7 @@ def test_the_budget_is_of_orbit_and_what_the_body_knows_and_controls(plan):
 
 def test_a_body_that_hardly_knows_its_attitude_hardly_keeps_the_target_in_the_frame():
     lost = SMALLSAT | {"knowledge": {"sigma_arcsec": 7200.0, "correlation_s": 5.0}}
-    plan = planned(one_session(PATH, roll={"rule": "nearest"}) | {"platform": lost})
+    plan = plan_of(one_session(PATH, roll={"rule": "nearest"}) | {"platform": lost})
     [budget] = plan.budgets
     assert budget.probability_in_frame < 0.05
     assert budget.helps_most == "attitude knowledge"
@@ -344,7 +326,7 @@ ASKED = {
 def from_state(state, **changes):
     request = body_request(**changes)
     request["initial_state"] |= state
-    return planned(request)
+    return plan_of(request)
 
 
 def test_the_table_begins_with_the_motion_asked_for():
@@ -394,8 +376,6 @@ def test_an_initial_motion_that_cannot_be_flown_is_refused(state, field, says):
 def test_a_body_that_begins_inside_an_exclusion_is_told_so():
     sun_eci = [0.648, 0.698, 0.303]  # on 10 May, by its declination of 17.6 deg
     sunward = Rotation.from_quat(ASKED["q_body_from_eci_xyzw"]).apply(sun_eci).tolist()
-    tracker = {"name": "tracker", "away_from": "sun", "min_deg": 10.0, "when": "always"}
-    excluded = [tracker | {"direction_body": sunward}]
     with pytest.raises(InfeasibleSlew) as refused:
-        from_state(ASKED, platform=SMALLSAT | {"exclusions": excluded})
+        from_state(ASKED, platform=without_sun(sunward, 10.0, when="always"))
     assert refused.value.field == "initial_state.q_body_from_eci_xyzw"

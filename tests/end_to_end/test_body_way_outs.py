@@ -1,14 +1,11 @@
 """A refused session of a body is told the nearest way out, which plans when it is sent."""
 
-import json
-
 import other_body
 import pytest
+from planner_values import plan_of
 
-from app.requests.plan import read_plan_request
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, Refusal
-from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_from_text, utc_text
 
 # A steep limit of the angle off nadir, at either end of a pass; a rate too slow for its middle.
@@ -31,7 +28,7 @@ def planned(request, start_utc, stop_utc):
     """With these times of its session."""
     times = {"start": utc_text(start_utc, 1), "stop": utc_text(stop_utc, 1)}
     sessions = [request["sessions"][0] | times]
-    return make_plan(read_plan_request(json.dumps(request | {"sessions": sessions}).encode()))
+    return plan_of(request | {"sessions": sessions})
 
 
 def way_out(request, start_utc, stop_utc):
@@ -45,11 +42,7 @@ def way_out(request, start_utc, stop_utc):
 
 @pytest.mark.parametrize(
     ("changes", "objective"),
-    [
-        (BODIES[0], "smooth"),
-        (BODIES[1], "minimum_time"),
-        (BODIES[2], "smooth"),
-    ],
+    [(BODIES[0], "smooth"), (BODIES[1], "minimum_time"), (BODIES[2], "smooth")],
 )
 def test_a_way_out_is_flown_and_no_nearer_start_is(changes, objective):
     refused = 0

@@ -129,10 +129,7 @@ def test_a_roll_that_a_target_cannot_have_is_refused(platform, roll, words):
 CLOSED = {
     "off_nadir": {"off_nadir_max_deg": 2.0},
     "exclusion": {"exclusions": [CAMERA | {"min_deg": 179.0}]},
-    "rate": {
-        "torque_max_n_m": None,
-        "agility": SMALLSAT["agility"] | {"rate_max_deg_s": 0.1},
-    },
+    "rate": {"torque_max_n_m": None, "agility": SMALLSAT["agility"] | {"rate_max_deg_s": 0.1}},
 }
 
 

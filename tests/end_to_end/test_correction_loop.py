@@ -60,10 +60,7 @@ def look(client, at, turn_deg):
         "epoch": at,
         "position": {"frame": "ITRF", "position_km": planned["position_itrf_km"]},
         "cameras": [AHEAD, RIGHT],
-        "predicted": {
-            "q_body_from_eci_xyzw": planned["q_body_from_eci_xyzw"],
-            "sigma_deg": 0.5,
-        },
+        "predicted": {"q_body_from_eci_xyzw": planned["q_body_from_eci_xyzw"], "sigma_deg": 0.5},
     }
     files = [("images", (f"{k}.png", base64.b64decode(frame["image_png"])))
              for k, frame in enumerate(frames)]  # fmt: skip

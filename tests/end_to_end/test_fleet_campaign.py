@@ -3,21 +3,18 @@
 import csv
 import json
 import zlib
-from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 from databases import fresh_database
+from job_cases import ended_with, new_job
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.ids import new_id
-from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import FLEET_READER, read_campaign_request
 from app.requests.plan import read_plan_request
 from app.store import jobs, results
-from app.store.jobs import NewJob
 from app.work.campaign import campaign_json, choose
 from app.work.searches import listing_of_search
 from planner.base.errors import InvalidRequest
@@ -97,16 +94,10 @@ def test_together_they_do_no_worse_than_the_best_of_them_alone(reported):
 def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
     request = read_campaign_request(BODY)
     with fresh_database(tmp_path) as database:
-        new = NewJob(
-            id=new_id(), kind="campaign", name="", request=BODY, request_sha256="", deadline_s=60.0,
-            listing=listing_of_search(request),
-        )  # fmt: skip
+        new = new_job("campaign", request=BODY, listing=listing_of_search(request))
         with database.writing() as connection:
             token = jobs.accept(connection, new, 60.0)
-        chosen = Future()
-        chosen.set_result(choose(BODY))
-        with database.writing() as connection:
-            settle(connection, jobs.job_of_lease(connection, token), CAMPAIGN, chosen, 3)
+        ended_with(database, CAMPAIGN, token, choose(BODY))
         with database.reading() as connection:
             job = jobs.get(connection, new.id)
             document = results.document(connection, new.id)
@@ -121,15 +112,8 @@ def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
     assert all("carrier" not in part.facts for part in one.parts)
     told = json.loads(zlib.decompress(one.document))
     members = {
-        "target",
-        "because",
-        "start",
-        "stop",
-        "value",
-        "displaced_by",
-        "displaced_value",
-        "lacks",
-    }
+        "target", "because", "start", "stop", "value", "displaced_by", "displaced_value", "lacks",
+    }  # fmt: skip
     assert told["left_out"]
     assert all({*left} == members for left in told["left_out"])
     assert all({*left} == members | {"carrier"} for left in answer["choice"]["left_out"])
@@ -174,19 +158,13 @@ def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
             "alpha, beta",
         ),
         ({"targets": [ASKED["targets"][0]] * 2}, "targets.1.id", "taken already"),
-        (
-            {"targets": [ASKED["targets"][0] | {"sensor": "radar"}]},
-            "targets.0.sensor",
-            "colour, infrared",
-        ),
+        ({"targets": [ASKED["targets"][0] | {"sensor": "radar"}]}, "targets.0.sensor",
+         "colour, infrared"),
         ({"stop": "2015-04-30T00:00:00Z"}, "stop", "31 days"),
-        (
-            {"carriers": [CARRIERS["station"] | {"resource": {}}]},
-            "carriers.0.resource",
-            "remove it",
-        ),
+        ({"carriers": [CARRIERS["station"] | {"resource": {}}]}, "carriers.0.resource",
+         "remove it"),
     ],
-)
+)  # fmt: skip
 def test_a_refusal_names_the_field_of_the_request_of_all(change, field, way_out):
     with pytest.raises(InvalidRequest) as refused:
         read_campaign_request(json.dumps(ASKED | change).encode())

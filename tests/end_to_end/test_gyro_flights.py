@@ -7,18 +7,17 @@ import math
 import numpy as np
 import other_body
 import pytest
+from planner_values import plan_of
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from app.answers.members import to_members
-from app.requests.plan import read_plan_request
 from app.work.flights import flights_found, packed_outcomes, unpacked_outcomes
 from planner.inflight.flights.nominal import flights_as_planned, nominal_session
 from planner.inflight.flights.request import FlightsRequest
 from planner.inflight.flights.runs import fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.output.view import view_plan
-from planner.planning.sessions.pipeline import make_plan
 from planner.world.platforms.gyros import GyroSet, GyroTurns, ScissoredPairs
 
 STEADY_DEG_S = 0.001  # Platonov, Sumarokov 2019
@@ -32,7 +31,7 @@ def planned(platform="agile-cmg"):
     [session] = request["sessions"]
     session["start"], session["stop"] = "2015-05-10T10:35:50Z", "2015-05-10T10:36:10Z"
     request |= {"platform": platform, "slew": {"objective": "minimum_time"}}
-    return make_plan(read_plan_request(json.dumps(request).encode()))
+    return plan_of(request)
 
 
 @pytest.fixture(scope="module")

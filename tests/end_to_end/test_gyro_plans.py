@@ -7,18 +7,17 @@ gyros at +-60 and +-120 degrees are turned by the least rates that change their 
 
 import dataclasses
 import io
-import json
 import math
 from datetime import timedelta
 
 import numpy as np
 import other_body
 import pytest
+from planner_values import plan_of
 from scipy.integrate import cumulative_trapezoid
 from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew
 from planner.output.export.csv import table_csv
 from planner.output.export.netcdf import write_netcdf
@@ -39,7 +38,7 @@ def planned(**changes):
     for one, (start, stop) in zip(request["sessions"], TIMES, strict=True):
         one["start"], one["stop"] = f"2015-05-10T{start}Z", f"2015-05-10T{stop}Z"
     request |= {"platform": "agile-cmg", "final_state": "idle"} | changes
-    return make_plan(read_plan_request(json.dumps(request).encode()))
+    return plan_of(request)
 
 
 @pytest.fixture(scope="module")
@@ -86,10 +85,7 @@ def test_momentum_that_gravity_adds_has_room_or_is_refused(gentle):
     assert begun_with(edge - 1e-3).verification.passed
     with pytest.raises(InfeasibleSlew, match="unload the gyros first") as refused:
         begun_with(edge + 1e-3)
-    assert (refused.value.field, refused.value.limit) == (
-        "platform.gyros.start_n_m_s",
-        "momentum",
-    )
+    assert (refused.value.field, refused.value.limit) == ("platform.gyros.start_n_m_s", "momentum")
 
 
 def gyro_motion(plan):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from geographiclib.geodesic import Geodesic
+from planner_values import read_request
 
 from app.requests.plan import read_plan_request
 from app.store.packed import unpack
@@ -32,7 +33,7 @@ def with_sessions(*sessions, **changes):
 
 
 def read(*sessions, **changes):
-    return read_plan_request(json.dumps(with_sessions(*sessions, **changes)).encode())
+    return read_request(with_sessions(*sessions, **changes))
 
 
 def area(geometry, **members):
@@ -229,8 +230,7 @@ def test_lines_in_planes_are_those_of_the_imaging_spacecraft():
     from planner.world.targets.geojson import GeoLineString
 
     asked = StripRequest(
-        name="strip",
-        geometry=GeoLineString(coordinates=tuple(map(tuple, geometry["coordinates"]))),
+        name="strip", geometry=GeoLineString(coordinates=tuple(map(tuple, geometry["coordinates"])))
     )
     session = make_session(
         ImagingPlanRequest(
@@ -265,24 +265,15 @@ def changed(**members):
         (changed(swath_m=200.0), "target.geometry", "strips of 200 m, more than 50"),
         (AREA | {"stop": "2024-06-01T10:07:30Z"}, "stop", "at the soonest"),
         (AREA | {"fits_by": "2024-06-01T10:11:00Z"}, "fits_by", "left out of an imaging mode"),
-        (
-            area(polygon([[-20, 40], [-20, 46], [-14, 46], [-14, 40], [-20, 40]])),
-            "target.geometry",
-            "more than 500: split it",
-        ),
+        (area(polygon([[-20, 40], [-20, 46], [-14, 46], [-14, 40], [-20, 40]])), "target.geometry",
+         "more than 500: split it"),
         (area(polygon(RING, ISLAND)), "target.geometry", "reaches out of the outline"),
-        (
-            AREA | {"start": "2024-06-01T10:30:00Z", "stop": "2024-06-01T10:40:00Z"},
-            "target.swath_m",
-            "can't be seen between start and stop",
-        ),
+        (AREA | {"start": "2024-06-01T10:30:00Z", "stop": "2024-06-01T10:40:00Z"}, "target.swath_m",
+         "can't be seen between start and stop"),
         (changed(refraction="standard"), "target", "is modelled from 5 deg elevation up"),
         (AREA | {"stop": "2024-06-01T18:00:00Z"}, "stop", "7200 s after start"),
-        (
-            json.loads(EXAMPLE)["sessions"][1] | {"stop": "2024-06-01T10:03:20Z"},
-            "target.look_angle_deg",
-            "-22 deg ahead",
-        ),
+        (json.loads(EXAMPLE)["sessions"][1] | {"stop": "2024-06-01T10:03:20Z"},
+         "target.look_angle_deg", "-22 deg ahead"),
         (
             json.loads(EXAMPLE)["sessions"][1]
             | {
@@ -293,7 +284,7 @@ def changed(**members):
             "a look lasts 11 s, and the next one would begin 9.0 s after",
         ),
     ],
-)
+)  # fmt: skip
 def test_what_makes_no_sessions_is_refused(session, field, told):
     with pytest.raises(InvalidRequest, match=told) as refused:
         read(session)

@@ -80,7 +80,7 @@ def test_random_leads_are_flown_within_every_limit(lead, objective):
     """From rest or moving, from 40 s to four hours before sessions that lie far apart or near."""
     rng = np.random.default_rng(20261123)
     flown = kinds = 0
-    for _ in range(16):
+    for _ in range(10):
         before_s = 10.0 ** rng.uniform(1.6, 4.1)
         gap_s = rng.uniform(20.0, 110.0)
         moving = rng.integers(2)
@@ -104,7 +104,7 @@ def test_random_leads_are_flown_within_every_limit(lead, objective):
             kinds |= {"wait": 1, "brake": 2}.get(segment.kind, 0)
             if lead != "all" and lead.max_duration_s and segment.kind == "slew":
                 assert length_s(segment) <= lead.max_duration_s + 1e-6
-    assert flown >= 8
+    assert flown >= 5
     assert kinds == (0 if lead == "all" else 3)
 
 
@@ -323,10 +323,7 @@ def test_bounds_hold_for_axes_that_share_no_least_time():
 def test_axes_that_cannot_be_brought_to_rest_are_refused_as_such():
     """A test motion ends 0.05 deg before the stop, at 1 deg/s: braking takes a degree."""
     motion = BenchMotionTarget(
-        axes={
-            "alpha": ConstantRate(angle_deg=174.95 - 10.0, rate_deg_s=1.0),
-            "beta": standing(0.0),
-        }
+        axes={"alpha": ConstantRate(angle_deg=174.95 - 10.0, rate_deg_s=1.0), "beta": standing(0.0)}
     )
     asked = scenario(session(motion, 200.0, 210.0))
     assert make_plan(asked).verification.passed

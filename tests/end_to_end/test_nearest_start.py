@@ -6,7 +6,7 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
-from scenarios import EPOCH, LAS_VEGAS, TLE, at, scenario, session
+from scenarios import EPOCH, LAS_VEGAS, TLE, at, moved, scenario, session
 
 from app.requests.examples import message
 from planner.base.errors import InfeasibleSlew, NotVisible
@@ -50,9 +50,8 @@ def test_a_node_damaged_far_from_the_session_does_not_hide_the_reason():
     asked = scenario(session(LAS_VEGAS, 1.0, 90.0), alpha=(150.0, 0.0, 0.0))
     refusal = refused(replace(asked, orbit=OemOrbit(content=damaged)), InfeasibleSlew)
     assert refusal.axis == "alpha"
-    later = session(LAS_VEGAS, 1.0, 90.0)
-    later = replace(later, start=refusal.earliest_feasible_start_utc)
-    assert make_plan(replace(asked, sessions=(later,))).verification.passed
+    later = moved(asked, refusal.earliest_feasible_start_utc, at(90.0))
+    assert make_plan(later).verification.passed
 
 
 def test_attitude_rows_damaged_where_the_session_could_go_do_not_hide_the_reason():

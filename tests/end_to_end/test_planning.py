@@ -1,21 +1,20 @@
 """A request ends in a table the judge accepts, or in a refusal that helps.
 
-Random ones, and the starts that they are advised: properties/test_plausible_requests.py.
+Random ones, and the starts that they are advised: properties/test_plausible_requests.py; every
+target mode, by its worked example: contracts/test_http_views.py.
 """
 
+import json
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
+import numpy as np
 import pytest
-from scenarios import (
-    HRC,
-    LARAMIE,
-    LAS_VEGAS,
-    SALT_LAKE,
-    at,
-    scenario,
-    session,
-)
+from scenarios import HRC, LARAMIE, LAS_VEGAS, SALT_LAKE, advised, at, moved, scenario, session
+from skyfield.api import EarthSatellite, load, wgs84
 
+from app.requests.plan import read_plan_request
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, NotVisible
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
@@ -25,17 +24,8 @@ from planner.planning.sessions.platforms.two_axis.mover import TwoAxisMover
 from planner.world.attitude import LvlhAttitude
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import SlewOptions
-
-
-def replanned(asked, refusal, number=0):
-    """The session moved to the times a refusal names."""
-    moved = replace(
-        asked.sessions[number],
-        start=refusal.earliest_feasible_start_utc,
-        stop=refusal.feasible_stop_utc,
-    )
-    sessions = (*asked.sessions[:number], moved, *asked.sessions[number + 1 :])
-    return make_plan(replace(asked, sessions=sessions))
+from planner.world.targets import BenchMotionTarget
+from planner.world.targets.axis_signals import Chirp, ConstantRate, Multisine, Step, Triangle
 
 
 def test_a_refused_slew_names_the_very_first_row_that_works():
@@ -44,11 +34,10 @@ def test_a_refused_slew_names_the_very_first_row_that_works():
         make_plan(asked)
     assert refused.value.axis == "alpha"
     assert refused.value.field == "sessions.0.start"
-    start = refused.value.earliest_feasible_start_utc
-    assert replanned(asked, refused.value).verification.passed
-    earlier = replace(asked.sessions[0], start=start - (at(0.2) - at(0.0)))
+    assert make_plan(advised(asked, refused.value)).verification.passed
+    earlier = refused.value.earliest_feasible_start_utc - (at(0.2) - at(0.0))
     with pytest.raises(InfeasibleSlew):
-        make_plan(replace(asked, sessions=(earlier,)))
+        make_plan(moved(asked, earlier, at(230.0)))
 
 
 @pytest.mark.parametrize("start_s", [-600.0, 960.0, 40000.0])
@@ -56,7 +45,7 @@ def test_a_target_below_the_horizon_names_a_start_when_it_is_not(start_s):
     asked = scenario(session(LAS_VEGAS, start_s, start_s + 60.0), epoch_s=-3600)
     with pytest.raises(NotVisible) as refused:
         make_plan(asked)
-    assert replanned(asked, refused.value).verification.passed
+    assert make_plan(advised(asked, refused.value)).verification.passed
 
 
 TIGHT = (
@@ -128,7 +117,7 @@ def test_before_the_first_session_there_is_nothing_to_shorten():
     asked = scenario(session(LAS_VEGAS, 140.0, 170.0), epoch_s=135, on_conflict="shorten_earlier")
     with pytest.raises(InfeasibleSlew) as refused:
         make_plan(asked)
-    assert replanned(asked, refused.value).verification.passed
+    assert make_plan(advised(asked, refused.value)).verification.passed
     assert "shorten_earlier" not in {offer.on_conflict for offer in refused.value.relaxations}
 
 
@@ -213,3 +202,78 @@ def test_a_level_station_is_warned_of(attitude, platform, warns):
     for warnings in (make_plan(asked).warnings, windows.warnings):
         told = [text for text in warnings if "usually flies at yaw/pitch/roll -4/-2/1" in text]
         assert len(told) == warns
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        Chirp(amplitude_deg=0.5, start_frequency_hz=0.01, stop_frequency_hz=0.2, sweep_s=60.0),
+        Step(step_deg=5.0, at_s=10.0, rise_s=20.0),
+        Triangle(amplitude_deg=5.0, period_s=60.0, turn_s=10.0),
+        Multisine(amplitudes_deg=(0.5, 0.3, 0.1), frequencies_hz=(0.02, 0.05, 0.1)),
+    ],
+    ids=lambda motion: motion.kind,
+)
+def test_every_bench_motion_is_flown(motion):
+    target = BenchMotionTarget(axes={"alpha": motion, "beta": ConstantRate(rate_deg_s=0.0)})
+    plan = make_plan(scenario(session(target, 60.0, 120.0)))
+    assert plan.verification.passed
+    assert plan.budgets == (None,)
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+THREE_SESSIONS = EXAMPLES / "three_sessions.json"
+REQUESTS = [
+    *sorted((EXAMPLES / "gallery").glob("*.json")),
+    EXAMPLES / "las_vegas_2015.json",
+    THREE_SESSIONS,
+]
+
+
+def range_m(document, asked, moments):
+    """Distance of the ISS from the session's target, by Skyfield."""
+    orbit, target = document["orbit"], asked["target"]
+    satellite = EarthSatellite(orbit["line1"], orbit["line2"])
+    place = wgs84.latlon(target["latitude_deg"], target["longitude_deg"], target["height_m"])
+    seen = (satellite - place).at(load.timescale(builtin=True).from_datetimes(moments))
+    return seen.distance().m
+
+
+@pytest.mark.parametrize("path", REQUESTS, ids=lambda path: path.stem)
+def test_each_is_planned_and_closest_when_skyfield_says(path):
+    body = path.read_bytes()
+    plan = make_plan(read_plan_request(body))
+    assert plan.verification.passed
+    document = json.loads(body)
+    for asked, report in zip(document["sessions"], plan.verification.sessions, strict=True):
+        start = datetime.fromisoformat(asked["start"])
+        stop = datetime.fromisoformat(asked["stop"])
+        moments = [
+            start + timedelta(seconds=s) for s in np.arange(0.0, (stop - start).total_seconds(), 1)
+        ]
+        by_skyfield_m = range_m(document, asked, moments)
+        closest = moments[int(np.argmin(by_skyfield_m))]
+        # its grid of a second, and half of that again for the flat bottom of the curve
+        assert abs((report.closest_at_utc - closest).total_seconds()) < 1.0
+        [there_m] = range_m(document, asked, [report.closest_at_utc.astimezone(UTC)])
+        # neither polar motion nor tides of UT1 in Skyfield's builtin tables: 10 m each
+        assert report.range_min_m == pytest.approx(there_m, abs=20.0)
+
+
+def test_the_papers_three_sessions_and_transfers():
+    """Sumarokov 2016, Fig. 2: its clock is 1200 s ahead of our table's epoch."""
+    plan = make_plan(read_plan_request(THREE_SESSIONS.read_bytes()))
+    epoch = plan.table.epoch_utc
+    found = [
+        (segment.kind, *((t - epoch).total_seconds() + 1200.0 for t in span))
+        for segment in plan.segments
+        for span in [(segment.start_utc, segment.stop_utc)]
+    ]
+    assert found == [
+        ("slew", 1200.0, 1320.0),
+        ("track", 1320.0, 1450.0),
+        ("slew", 1450.0, 1660.0),
+        ("track", 1660.0, 1750.0),
+        ("slew", 1750.0, 1800.0),
+        ("track", 1800.0, 1900.0),
+    ]

@@ -12,16 +12,15 @@ from typing import Any, get_args, get_type_hints
 
 import httpx2 as httpx
 import pytest
+from planner_values import plan_of
 from refusal_kinds import refusal_kinds
 from waiting import PATIENCE_S, PatientClient
 
 from app.http.app import create_app
-from app.requests.plan import read_plan_request
 from app.work.searches import read_opportunity_request
 from planner.base.errors import Refusal
 from planner.output.export import EXPORTERS
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
-from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.sequence import CONFLICTS
 from planner.world.attitude import ATTITUDES
 from planner.world.orbits import ORBITS
@@ -138,7 +137,7 @@ def test_every_fragment_of_a_request_is_planned(fragment):
         document["sessions"][0] |= fragment
     else:
         document |= fragment
-    assert make_plan(read_plan_request(json.dumps(document).encode())).verification.passed
+    assert plan_of(document).verification.passed
 
 
 def test_the_conditions_of_opportunities_leave_windows():

@@ -1,6 +1,6 @@
 """Orekit's reading of our AEM and OEM; run by `make oracles`, needs Java.
 
-Writes tests/data/exports_by_orekit.json, which test_export_orekit.py compares with the plan.
+Writes tests/data/exports_by_orekit.json, which test_export_readers.py compares with the plan.
 """
 
 import json

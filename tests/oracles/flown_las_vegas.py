@@ -1,17 +1,15 @@
 """The Las Vegas pass, planned once, and telemetry of it by a program that only reads its CSV."""
 
-import json
 from functools import cache
 
 import numpy as np
 import other_platform
 from other_platform import Clock
+from planner_values import plan_of
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
-from planner.planning.sessions.pipeline import make_plan
 
 PERFECT = {"alpha": other_platform.Drive(), "beta": other_platform.Drive()}
 
@@ -33,7 +31,7 @@ def planned_in_a_minute():
 def _made(request):
     """With the attitude level: where an axis sticks hangs on it."""
     request = request | {"attitude": {"law": "lvlh"}}
-    return make_plan(read_plan_request(json.dumps(request).encode()))
+    return plan_of(request)
 
 
 def telemetry(

@@ -3,12 +3,7 @@
 import imaging_cases
 from imaging_cases import EPOCH, positions, session_request, sun_synchronous
 
-from planner.spacecraft.requests import (
-    CorridorRequest,
-    GeoLineString,
-    StereoRequest,
-    StripRequest,
-)
+from planner.spacecraft.requests import CorridorRequest, GeoLineString, StereoRequest, StripRequest
 
 __all__ = ["EPOCH", "ORBIT", "area", "four_modes", "line", "positions", "session"]
 ORBIT = sun_synchronous(640.0)

@@ -7,9 +7,10 @@ import agile_bodies
 import numpy as np
 import pytest
 from agile_bodies import smallsat
+from planner_values import plan_of
 from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
-from test_body_plans import PATH, SMALLSAT, body_request, planned
+from test_body_plans import PATH, SMALLSAT, body_request
 
 from planner.inflight.flights.frames import EXPOSURE_POINTS, frames_of
 from planner.inflight.flights.nominal import nominal_session
@@ -41,7 +42,7 @@ def of_a_star(half_arcsec, **knowledge):
 
 @pytest.fixture(scope="module")
 def star():
-    return planned(of_a_star(60.0, sigma_arcsec=20.0, control_sigma_arcsec=10.0, jitter_arcsec=0.2))
+    return plan_of(of_a_star(60.0, sigma_arcsec=20.0, control_sigma_arcsec=10.0, jitter_arcsec=0.2))
 
 
 def turned(plan, t_s, runs, *causes):
@@ -146,7 +147,7 @@ def test_told_and_flown_probabilities_agree():
             (50.0, {"sigma_arcsec": 5.0, "control_sigma_arcsec": 20.0, "correlation_s": 4.0}),
         )
     ):
-        made = planned(of_a_star(half_arcsec, **knowledge))
+        made = plan_of(of_a_star(half_arcsec, **knowledge))
         told = made.budgets[0].probability_in_frame
         assert 0.1 < told < 0.9
         flown = summarise(fly_runs(session_scenes(made), number, 0, runs))
@@ -194,7 +195,7 @@ def test_a_pushbroom_is_flown_line_by_line():
     """Ten of its lines a second, each lasting as long as its TDI takes."""
     camera = {"type": "pushbroom", "pixel_arcsec": 1.0, "pixels": 700, "tdi_lines": 50}
     session = body_request()["sessions"][0] | {"stop": "2015-05-10T10:35:58Z"}
-    made = planned(body_request(platform=SMALLSAT | {"camera": camera}, sessions=[session]))
+    made = plan_of(body_request(platform=SMALLSAT | {"camera": camera}, sessions=[session]))
     [scene] = session_scenes(made)
     assert scene.at_s[1:, 0] - scene.at_s[:-1, 0] == pytest.approx(0.1, abs=1e-9)
     assert scene.at_s[:, -1] - scene.at_s[:, 0] == pytest.approx(50 / 10e3, abs=1e-9)
@@ -212,7 +213,7 @@ def test_lines_of_a_slow_scan_last_as_long_as_the_ground_takes_to_cross_them():
     times = {"start": "2015-05-10T10:41:08Z", "stop": "2015-05-10T10:41:38Z"}
     path = {"target": PATH, "roll": {"rule": "lines_across_motion"}, **times}
     platform = SMALLSAT | {"camera": agile_bodies.SMALLSAT["camera"]}
-    [scene] = session_scenes(planned(body_request(platform=platform, sessions=[path])))
+    [scene] = session_scenes(plan_of(body_request(platform=platform, sessions=[path])))
     camera, table = scene.scenario.platform.camera, scene.table
     shortest_s = camera.tdi_lines / camera.line_rate_max_hz
     lasts_s = scene.at_s[:, -1] - scene.at_s[:, 0]

@@ -23,12 +23,7 @@ from app.requests.plan import read_plan_request
 from app.work.campaign import choose, plan_pass
 from app.work.result import Result
 from planner.base.errors import InvalidInput, ResourceRunsOut
-from planner.planning.campaigns import (
-    CampaignCarrier,
-    FleetRequest,
-    choose_campaign,
-    scenario_of,
-)
+from planner.planning.campaigns import CampaignCarrier, FleetRequest, choose_campaign, scenario_of
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns.charging import Charging
 from planner.planning.campaigns.flown import resources_left

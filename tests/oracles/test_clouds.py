@@ -8,15 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from planner_values import plan_of, read_request
 
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidRequest
 from planner.planning.campaigns import choose_campaign
 from planner.planning.opportunities import find_opportunities
-from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.summary import summarise
 from planner.world.clouds import Clouds
 from planner.world.frames.time_scales import Instants, utc_from_text
@@ -119,7 +118,7 @@ def test_what_is_no_cloud_fraction_is_refused_with_a_way_out(tmp_path):
     )
     request = LAS_VEGAS | {"clouds": {"format": "netcdf", "content": "AAAA"}}
     with pytest.raises(InvalidRequest, match="clouds"):
-        read_plan_request(json.dumps(request).encode())
+        read_request(request)
 
 
 GRID = "ncols 2\nnrows 1\nxllcorner -180\nyllcorner -90\ncellsize 180\n0.25 0.75\n"
@@ -131,11 +130,11 @@ def test_plans_and_windows_tell_it_beside_the_probability_in_frame():
     session = LAS_VEGAS["sessions"][0]
     west = (session["target"]["longitude_deg"] + 90.0) / 180.0
     cloudy = 0.25 if west < 0.0 else 0.25 + 0.5 * west
-    plan = make_plan(read_plan_request(json.dumps(LAS_VEGAS | {"clouds": clouds}).encode()))
+    plan = plan_of(LAS_VEGAS | {"clouds": clouds})
     [told] = summarise(plan).sessions
     assert told.clear_probability == pytest.approx(1.0 - cloudy, abs=1e-6)
     assert told.probability_in_frame not in (None, told.clear_probability)
-    bare = make_plan(read_plan_request(json.dumps(LAS_VEGAS).encode()))
+    bare = plan_of(LAS_VEGAS)
     assert summarise(bare).sessions[0].clear_probability is None
     request = {name: LAS_VEGAS[name] for name in ("orbit", "platform", "attitude")} | {
         "targets": [{"id": "it", "target": session["target"]}],

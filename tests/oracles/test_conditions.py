@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from opportunity_requests import START, iss_request, oco3_targets
+from planner_values import read_request
 from skyfield.api import wgs84
 from skyfield.framelib import itrs
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from app.work.searches import read_opportunity_request
 from planner.base.errors import InvalidRequest, NotVisible
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
@@ -134,13 +134,9 @@ def smallsat(**conditions):
     return request | {"conditions": conditions}
 
 
-def asked(request):
-    return read_plan_request(json.dumps(request).encode())
-
-
 @pytest.mark.parametrize("base", [LAS_VEGAS, smallsat()], ids=["two axes", "body"])
 def test_margins_of_a_plan_are_skyfields(skyfield, base):
-    plan = make_plan(asked(base | {"conditions": ALL}))
+    plan = make_plan(read_request(base | {"conditions": ALL}))
     names = [bound.name for bound in plan.scenario.conditions.bounds]
     assert len(names) == len(ALL)
     for told, session in zip(plan.verification.sessions, plan.scenario.sessions, strict=True):
@@ -159,7 +155,7 @@ def test_margins_of_a_plan_are_skyfields(skyfield, base):
 
 
 def test_the_judge_finds_each_condition_that_is_not_met():
-    plan = make_plan(asked(LAS_VEGAS | {"conditions": ALL}))
+    plan = make_plan(read_request(LAS_VEGAS | {"conditions": ALL}))
     [told] = plan.verification.sessions
     for bound, margin in zip(plan.scenario.conditions.bounds, told.conditions, strict=True):
         tighter = {"carrier_light": "eclipsed"}
@@ -192,7 +188,7 @@ def test_the_judge_finds_each_condition_that_is_not_met():
 def test_a_refusal_names_the_condition_and_a_start_that_is_planned(limit, conditions):
     request = LAS_VEGAS | {"conditions": conditions}
     with pytest.raises(NotVisible) as refused:
-        make_plan(asked(request))
+        make_plan(read_request(request))
     refusal = refused.value
     assert refusal.limit == limit
     assert next(iter(conditions)) in refusal.detail
@@ -202,7 +198,7 @@ def test_a_refusal_names_the_condition_and_a_start_that_is_planned(limit, condit
         "start": utc_text(refusal.earliest_feasible_start_utc),
         "stop": utc_text(refusal.feasible_stop_utc),
     }
-    plan = make_plan(asked(request | {"sessions": [moved]}))
+    plan = make_plan(read_request(request | {"sessions": [moved]}))
     assert plan.verification.passed
     assert plan.verification.sessions[0].conditions[0].margin >= 0.0
 
@@ -219,13 +215,10 @@ def test_conditions_that_make_no_sense_are_refused_by_field():
             "ra_deg must be given",
         ),
         (directions(*([CAMERA | AROUND[0]] * 17))["conditions"], "at most 16"),
-        (
-            {"directions": [CAMERA | AROUND[0] | {"name": "x"}] * 2},
-            "directions.1.name",
-        ),
+        ({"directions": [CAMERA | AROUND[0] | {"name": "x"}] * 2}, "directions.1.name"),
     ):
         with pytest.raises(InvalidRequest, match=told):
-            asked(LAS_VEGAS | {"conditions": conditions})
+            read_request(LAS_VEGAS | {"conditions": conditions})
 
 
 def directions(*kept):
@@ -246,7 +239,7 @@ AROUND = (
 
 @pytest.mark.parametrize("base", [LAS_VEGAS, smallsat()], ids=["two axes", "body"])
 def test_angles_of_the_boresight_are_skyfields(skyfield, base):
-    plan = make_plan(asked(base | directions(*(CAMERA | one for one in AROUND))))
+    plan = make_plan(read_request(base | directions(*(CAMERA | one for one in AROUND))))
     [told, session] = plan.verification.sessions[0], plan.scenario.sessions[0]
     sky = Sky(skyfield, session.target, plan.table.epoch_utc)
     for wanted, one in zip(AROUND, told.conditions, strict=True):
@@ -318,7 +311,7 @@ def test_windows_keep_directions_and_their_sessions_are_planned(name, kept):
         }
         if name == "gallery":
             plan["initial_state"]["angles_deg"] = {"alpha": 0.0, "beta": 0.0}
-        made = make_plan(asked(plan))
+        made = make_plan(read_request(plan))
         assert made.verification.passed
         [margin] = made.verification.sessions[0].conditions
         assert margin.margin >= 0.0

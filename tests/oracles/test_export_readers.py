@@ -1,7 +1,13 @@
-"""Readers that others wrote find in our files the attitude and orbit of the plan."""
+"""Readers that others wrote, or SciPy, find in our files the attitude and orbit of the plan.
 
+Orekit needs Java, so its reading is kept: see exports_by_orekit.py, run by `make oracles`.
+"""
+
+import dataclasses
 import io
 import json
+import re
+from pathlib import Path
 
 import ccsds_ndm
 import cftime
@@ -12,6 +18,7 @@ import pytest
 import stk_files
 from czml3 import Document
 from export_cases import (
+    ARCSEC_RAD,
     CREATED_UTC,
     EPOCH_UTC,
     READ_BACK_RAD,
@@ -23,12 +30,17 @@ from export_cases import (
     orbit_states,
     turned_axes_quaternions,
 )
+from judged_bodies import BODY, body_scenario, body_table
+from judged_tables import CircularOrbit
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from planner.output.export import EXPORTERS
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import CarrierName
+from planner.world.plan import FlightPlan, Segment
 from planner.world.platforms import ISS_HRC
+from planner.world.platforms.body import FrameCamera
 
 MICROSECOND_NS = 1000
 CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
@@ -218,3 +230,132 @@ def test_tables_by_numpy_and_json(plan, name):
             np.testing.assert_allclose(
                 np.deg2rad(read[f"{axis}_{key}"]), values[:, column], rtol=0, atol=1e-11
             )
+
+
+READ = json.loads((Path(__file__).parents[1] / "data" / "exports_by_orekit.json").read_text())
+SAMPLES = READ["samples"]
+PLAN = case()
+
+
+def flown_at(t_s):
+    """Payload axes in GCRF as rows, states; angles by the cubic Hermite the platform flies."""
+    table = PLAN.table
+    angle_rad = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)(t_s)
+    states = orbit_states(PLAN.scenario.orbit, Instants(EPOCH_UTC, np.append(t_s, 60.0)))
+    c_body = c_body_from_eci(states)[:-1]
+    return c_payload_from_body(SKEW, angle_rad) @ c_body, states
+
+
+def test_orekit_knows_what_the_messages_are_about():
+    assert (READ["attitude_from"], READ["attitude_to"]) == ("GCRF", "INSTRUMENT_1")
+    assert READ["attitude_type"] == "QUATERNION/ANGVEL"
+    assert READ["object_id"] == "1998-067A"
+    assert READ["start"] == "2015-02-27T17:36:00.000Z"
+    assert READ["orbit_stop"] == "2015-02-27T17:37:00.000Z"
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda sample: f"{sample['t_s']} s")
+def test_orekit_finds_the_attitude(sample):
+    c_payload, _ = flown_at(np.array([sample["t_s"]]))
+    on_row = abs(5.0 * sample["t_s"] - round(5.0 * sample["t_s"])) < 1e-9
+    # on rows 0.01 arcsec; between them what the table promises, 0.1 arcsec
+    tolerance_rad = READ_BACK_RAD if on_row else 0.1 * ARCSEC_RAD
+    for axis, name in ((0, "x_payload_gcrf"), (2, "z_payload_gcrf")):
+        assert np.linalg.norm(c_payload[0, axis] - sample[name]) < tolerance_rad
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda sample: f"{sample['t_s']} s")
+def test_orekit_finds_the_angular_velocity(sample):
+    step_s = 1e-3
+    inside_s = np.clip(sample["t_s"], step_s, 60.0 - step_s)
+    (before, here, after), _ = flown_at(inside_s + step_s * np.arange(-1.0, 2.0))
+    cross = here @ (after - before).T / (2.0 * step_s)  # of omega, in payload axes
+    omega_rad_s = np.array([cross[2, 1], cross[0, 2], cross[1, 0]])
+    # at the table's ends the difference is taken 1 ms inside, at up to 0.06 rad/s2; elsewhere
+    # Hermite's rate error h^3/96 of the fourth derivative, 2e-8 rad/s
+    atol = 1e-4 if inside_s != sample["t_s"] else 1e-6
+    np.testing.assert_allclose(sample["spin_payload_rad_s"], omega_rad_s, rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda sample: f"{sample['t_s']} s")
+def test_orekit_finds_the_orbit(sample):
+    _, states = flown_at(np.array([sample["t_s"]]))
+    # SGP4's velocity strays from its position's derivative by 16 mm/s (central differences of
+    # either), of which Hermite interpolation of 1 s nodes makes 2 mm and 40 mm/s between them
+    on_node = sample["t_s"] == round(sample["t_s"])
+    for found, planned, atol in (
+        (sample["r_sat_gcrf_m"], states.r_sat_eci_m[0], 1e-6 if on_node else 2e-3),
+        (sample["v_sat_gcrf_m_s"], states.v_sat_eci_m_s[0], 1e-8 if on_node else 0.05),
+    ):
+        np.testing.assert_allclose(found, planned, rtol=0, atol=atol)
+
+
+# Looks along body -Y; the frame's first side is body Z.
+CAMERA = FrameCamera(
+    boresight_body=(0.0, -2.0, 0.0), side_body=(0.0, 0.0, 1.0), field_of_view_deg=(2.0, 1.5)
+)
+CAMERA_BODY = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])  # +X, +Y, +Z
+
+
+class NamedOrbit(CircularOrbit):
+    carrier_name = CarrierName("SMALLSAT", "2026-001A")
+
+
+@pytest.fixture(scope="module")
+def plan_of_a_body():
+    scenario = body_scenario(dataclasses.replace(BODY, camera=CAMERA), orbit=NamedOrbit())
+    table = body_table()
+    start, stop = (shifted_utc(table.epoch_utc, row / 5.0) for row in (300, 500))
+    segments = (Segment(kind="track", session=0, start_utc=start, stop_utc=stop),)
+    return FlightPlan(scenario=scenario, segments=segments, table=table)
+
+
+def numbers(lines):
+    return np.array([[float(number) for number in line.split()[1:]] for line in lines])
+
+
+def off_rad(q_eci_from_frame_xyzw, axes_eci):
+    """Of a frame's axes, turned as the file says, from where they are; axes_eci: (n, 3, 3)."""
+    turns = Rotation.from_quat(q_eci_from_frame_xyzw)
+    found = np.stack([turns.apply(axis) for axis in np.eye(3)], axis=1)
+    return np.linalg.norm(found - axes_eci, axis=2).max()
+
+
+def test_aem_has_the_body_and_its_camera(plan_of_a_body):
+    text = written("aem", plan_of_a_body).decode()
+    frames = re.findall(r"^REF_FRAME_B = (\S+)$", text, re.MULTILINE)
+    assert frames == ["SC_BODY_1", "INSTRUMENT_1"]
+    body, camera = (
+        numbers(part.strip().splitlines())
+        for part in re.findall(r"DATA_START\n(.*?)DATA_STOP", text, re.DOTALL)
+    )
+    q = Rotation.from_quat(plan_of_a_body.table.position)
+    axes = np.stack([q.apply(axis) for axis in np.eye(3)], axis=1)
+    # CCSDS: the quaternion turns frame A's axes into frame B's, so vectors of B into A
+    assert off_rad(body[:, :4], axes) < 1e-12
+    assert off_rad(camera[:, :4], np.stack([q.apply(axis) for axis in CAMERA_BODY], 1)) < 1e-12
+    omega_deg_s = np.degrees(plan_of_a_body.table.rate_rad_s)
+    assert body[:, 4:] == pytest.approx(omega_deg_s, abs=1e-9)
+    assert camera[:, 4:] == pytest.approx(omega_deg_s @ CAMERA_BODY.T, abs=1e-9)
+
+
+def test_stk_has_the_body_and_a_constant_mount(plan_of_a_body):
+    def rows(format_name):
+        lines = written(format_name, plan_of_a_body).decode().splitlines()
+        return numbers(lines[lines.index("AttitudeTimeQuaternions") + 1 : -1])
+
+    q = Rotation.from_quat(plan_of_a_body.table.position)
+    axes = np.stack([q.apply(axis) for axis in np.eye(3)], axis=1)
+    assert off_rad(rows("stk-attitude"), axes) < 1e-12
+    assert off_rad(rows("stk"), np.tile(CAMERA_BODY, (len(axes), 1, 1))) < 1e-12
+
+
+def test_csv_has_every_channel(plan_of_a_body):
+    lines = written("csv", plan_of_a_body).decode().splitlines()
+    table = [line.split(",") for line in lines if not line.startswith("#")]
+    assert table[0][2:] == [channel.name for channel in plan_of_a_body.table.channels]
+    values = np.array(table[1:])[:, 2:].astype(float)
+    assert values[:, :4] == pytest.approx(plan_of_a_body.table.position, abs=1e-13)
+    assert np.deg2rad(values[:, 7:]) == pytest.approx(
+        plan_of_a_body.table.acceleration_rad_s2, abs=1e-10
+    )

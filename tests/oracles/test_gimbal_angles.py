@@ -162,8 +162,5 @@ def test_rates_and_accelerations_are_the_derivatives_of_the_angles(branch, platf
         rate[clear], (np.tensordot(d1, around, 1) / step)[clear], rtol=0, atol=1e-10
     )
     np.testing.assert_allclose(
-        acceleration[clear],
-        (np.tensordot(d2, around, 1) / step**2)[clear],
-        rtol=0,
-        atol=1e-9,
+        acceleration[clear], (np.tensordot(d2, around, 1) / step**2)[clear], rtol=0, atol=1e-9
     )

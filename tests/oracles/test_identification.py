@@ -7,7 +7,7 @@ import pytest
 from flight_cases import ARCSEC, rough, swinging
 
 from planner.inflight.simulation.flight import fly
-from planner.inflight.simulation.identification import identify
+from planner.inflight.simulation.identification import covariance, identify
 from planner.world.platforms import ISS_HRC, AxisDrive
 
 NAMES = tuple(
@@ -109,3 +109,45 @@ def test_an_axis_that_was_not_measured_stays_as_it_was():
     share = found.parameters[0] / ISS_HRC.drives[1].coulomb_deg_s2
     assert abs(np.log(share)) < np.sqrt(found.covariance_parameters[0, 0]) / found.parameters[0]
     assert np.isnan(found.residual_rad[1])
+
+
+SAMPLES, FLIGHTS = 1500, 100
+OPEN = np.array([1e6, 1e6])  # no prior to speak of
+
+
+def errors(chance, memory):
+    """Of one sigma, each `memory` of the last and the rest new."""
+    found = chance.standard_normal(SAMPLES)
+    for k in range(1, SAMPLES):
+        found[k] = memory * found[k - 1] + np.sqrt(1.0 - memory**2) * found[k]
+    return found
+
+
+def one_step(k):
+    """All is told within 300 samples, as of an axis that lets go once."""
+    return np.stack([k > 600.0, (k > 600.0) & (k < 900.0)], axis=1).astype(float)
+
+
+def throughout(k):
+    return np.stack([np.sin(k / 40.0), np.cos(k / 70.0)], axis=1)
+
+
+@pytest.mark.parametrize("slope_of", [one_step, throughout])
+@pytest.mark.parametrize(("memory", "size"), [(0.0, 1.0), (0.0, 3.0), (0.7, 1.0)])
+def test_told_and_kept_errors_agree(slope_of, memory, size):
+    """Squares of errors over their sigmas: 1 on average, to 10 % at one sigma of 100 flights,
+    and a window of 30 samples sees most of errors that are forgotten in 3."""
+    slope, chance = slope_of(np.arange(float(SAMPLES))), np.random.default_rng(3)
+    squares = []
+    for _ in range(FLIGHTS):
+        data = size * errors(chance, memory)
+        fitted, *_ = np.linalg.lstsq(slope, data, rcond=None)
+        missed = data - slope @ fitted
+        told = covariance(slope[None], missed[None], np.ones((1, SAMPLES)), OPEN)
+        squares.append(fitted @ np.linalg.solve(told, fitted) / 2.0)
+    assert 0.7 < np.mean(squares) < 1.5
+
+
+def test_a_prior_holds_what_nothing_shows():
+    told = covariance(np.zeros((1, 50, 1)), np.ones((1, 50)), np.ones((1, 50)), np.array([2.3]))
+    assert told[0, 0] == pytest.approx(2.3**2)

@@ -192,8 +192,7 @@ def opm_xml():
 def test_an_opm_is_a_state_vector(content):
     instants = Instants(EPOCH, np.linspace(0.0, 900.0, 10))
     np.testing.assert_array_equal(
-        states(OpmOrbit(content=content), instants).r_sat_eci_m,
-        states(STATE, instants).r_sat_eci_m,
+        states(OpmOrbit(content=content), instants).r_sat_eci_m, states(STATE, instants).r_sat_eci_m
     )
 
 

@@ -112,10 +112,7 @@ def test_contacts_are_skyfields_passes_whatever_a_look_must_meet(skyfield, platf
     request = iss_request(
         3.0,
         platform=platform,
-        targets=(
-            *looked_at,
-            *(OpportunityTarget(id=one.label, target=one) for one in stations),
-        ),
+        targets=(*looked_at, *(OpportunityTarget(id=one.label, target=one) for one in stations)),
         conditions=OpportunityConditions(
             min_elevation_deg=60.0, max_off_nadir_deg=20.0, sun_elevation_min_deg=10.0
         ),

@@ -173,10 +173,7 @@ def test_begins_of_scans_are_those_held(case):
 
 @pytest.mark.parametrize(
     ("platform", "mode"),
-    [
-        (smallsat(), strip(20.0, 30.0)),
-        (ISS_HRC, strip(20.0, 30.0, speed_m_s=3000.0)),
-    ],
+    [(smallsat(), strip(20.0, 30.0)), (ISS_HRC, strip(20.0, 30.0, speed_m_s=3000.0))],
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_a_session_that_begins_first_or_last_is_planned(platform, mode):
@@ -194,10 +191,7 @@ def test_a_session_that_begins_first_or_last_is_planned(platform, mode):
                 platform=platform,
                 orbit=request.orbit,
                 attitude=LvlhAttitude() if stands else None,
-                initial_state=InitialState(
-                    epoch=shifted_utc(start, -300.0),
-                    angles_deg=angles_deg,
-                ),
+                initial_state=InitialState(epoch=shifted_utc(start, -300.0), angles_deg=angles_deg),
                 sessions=(
                     Session(
                         target=scan.path,

@@ -212,11 +212,7 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
     t_s = np.linspace(0.0, duration_s, 500)
     found = find_smoothest(axis_slew(start, end, duration_s), None, None)
     problem = SlewProblem(
-        axis_names=("alpha",),
-        limits=(LIMITS,),
-        start=(start,),
-        end=(end,),
-        duration_s=duration_s,
+        axis_names=("alpha",), limits=(LIMITS,), start=(start,), end=(end,), duration_s=duration_s
     )
     planned = optimal_slew(problem)
     # The cost is flat at its minimum: a gap of 3e-4 leaves 1e-4 of the 1 rad move.

@@ -143,9 +143,7 @@ def test_comparison_shows_what_the_cubic_costs():
     assert spline.jerk_squared_integral_rad2_s5 is None
     # A jerk linear on 16 spans misses the quintic's by a share of 1/16^4 of the cost.
     np.testing.assert_allclose(
-        ocp.jerk_squared_integral_rad2_s5,
-        720.0 * distance**2 / T**5 * (1.0 + 16.0**-4),
-        rtol=1e-6,
+        ocp.jerk_squared_integral_rad2_s5, 720.0 * distance**2 / T**5 * (1.0 + 16.0**-4), rtol=1e-6
     )
     np.testing.assert_allclose(ocp.peak_rate_rad_s, 1.875 * distance / T, rtol=2e-5)
     assert comparison.least_s < comparison.paper_s

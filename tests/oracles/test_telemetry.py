@@ -9,14 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from flown_las_vegas import (
-    PERFECT,
-    csv_of,
-    flown_deg,
-    planned,
-    planned_in_a_minute,
-    telemetry,
-)
+from flown_las_vegas import PERFECT, csv_of, flown_deg, planned, planned_in_a_minute, telemetry
 from other_platform import Clock, Drive
 from planner_values import compare
 
@@ -314,8 +307,7 @@ def swinging(frequency_hz, rate_hz, amplitude_arcsec=60.0):
 
 
 @pytest.mark.parametrize(
-    ("frequency_hz", "rate_hz"),
-    [(0.052, 5.0), (0.16, 15.0), (1.7, 15.0), (2.0, 5.0)],
+    ("frequency_hz", "rate_hz"), [(0.052, 5.0), (0.16, 15.0), (1.7, 15.0), (2.0, 5.0)]
 )
 def test_swings_between_a_twentieth_and_two_hertz_are_found(frequency_hz, rate_hz):
     found = compared(swinging(frequency_hz, rate_hz))

@@ -1,24 +1,44 @@
 """The telemetry's clock is found as well as the samples allow, with sigmas that hold.
 
-Of other_platform.py's flights; a bound and lags that are known beforehand.
-"""
+Of other_platform.py's flights; a bound and lags that are known beforehand."""
 
 import copy
-import json
+import math
 
 import numpy as np
 import other_platform
 import pytest
-from clock_bound import drift_bound
 from flown_las_vegas import csv_of, flown_deg, planned
-from planner_values import compare
+from planner_values import compare, plan_of
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.alignment import AlignedColumn, Fit, align
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
-from planner.planning.sessions.pipeline import make_plan
+
+
+def drift_bound(table, t_s, noise_rad, *, with_drives=True):
+    """The least sigma that any estimate of a clock's drift can have: Cramer and Rao.
+
+    table: as `other_platform.read_table` has it.  Each axis has an offset of its own and a
+    constant; with_drives: a gain, friction and a share of the acceleration, too."""
+    times, motion = table
+    blocks = []
+    for number, columns in enumerate(motion.values()):
+        state = np.radians([other_platform.commanded(times, *columns, t) for t in t_s])
+        angle, rate, acceleration = state.T
+        own = [rate, np.ones(len(t_s))]
+        if with_drives:
+            own += [angle, np.tanh(rate / math.radians(0.01)), acceleration]
+        slope = np.zeros((len(t_s), 1 + 2 * len(own)))
+        slope[:, 0] = rate * t_s
+        slope[:, 1 + number * len(own) : 1 + (number + 1) * len(own)] = np.column_stack(own)
+        blocks.append(slope / noise_rad)
+    whole = np.vstack(blocks)
+    unit = np.linalg.norm(whole, axis=0)
+    unit[unit == 0.0] = 1.0
+    return math.sqrt(np.linalg.pinv((whole / unit).T @ (whole / unit))[0, 0]) / unit[0]
+
 
 ARCSEC = np.radians(1.0 / 3600.0)
 SIGMAS = 4.5  # one in 150,000
@@ -122,7 +142,7 @@ def test_a_pass_of_several_targets_tells_the_drift_to_a_millionth(tmp_path):
                 "stop": f"2015-02-27T17:{minute + 1}:30Z",
             }
         )
-    plan = make_plan(read_plan_request(json.dumps(request).encode()))
+    plan = plan_of(request)
     path = tmp_path / "table.csv"
     path.write_text(table_csv(plan.table))
     table = other_platform.read_table(path)

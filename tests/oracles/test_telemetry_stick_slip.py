@@ -5,18 +5,15 @@ loop of 1 Hz, so that it slips by 9 arcsec and more, while both axes creep for 1
 """
 
 import copy
-import json
 from functools import cache
 
 import numpy as np
 import other_platform
 import pytest
-from planner_values import compare
+from planner_values import compare, plan_of
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from planner.output.export.csv import table_csv
-from planner.planning.sessions.pipeline import make_plan
 
 ARCSEC = np.radians(1.0 / 3600.0)
 CREEP_ARCSEC_S = {"alpha": 8.0, "beta": -4.0}
@@ -38,7 +35,7 @@ def creeping():
             "stop": "2015-02-27T17:36:40Z",
         }
     ]
-    return make_plan(read_plan_request(json.dumps(request).encode()))
+    return plan_of(request)
 
 
 @cache

@@ -11,6 +11,7 @@ import pytest
 from geographiclib.geodesic import Geodesic
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from planner_values import plan_of, read_request
 
 from app.cli.changes import with_settings
 from app.requests.campaign import read_campaign_request
@@ -136,7 +137,7 @@ def test_what_tells_no_height_is_refused(change, told):
     target = {"mode": "ground", "latitude_deg": 36.21, "longitude_deg": -115.36}
     document["sessions"][0]["target"] = target
     with pytest.raises(InvalidRequest) as refused:
-        read_plan_request(json.dumps(document).encode())
+        read_request(document)
     assert told in refused.value.detail
     assert refused.value.field.startswith(("terrain", "sessions.0.target"))
 
@@ -238,7 +239,7 @@ def over_point():
 
 @pytest.fixture(scope="module")
 def point_plan():
-    return make_plan(read_plan_request(json.dumps(over_point()).encode()))
+    return plan_of(over_point())
 
 
 def test_the_judge_finds_a_point_on_other_ground(point_plan):
@@ -255,14 +256,14 @@ def test_the_judge_finds_a_point_on_other_ground(point_plan):
 
 
 def test_the_judge_finds_a_line_off_the_terrain(monkeypatch):
-    request = read_plan_request(json.dumps(OVER_TERRAIN).encode())
+    request = read_request(OVER_TERRAIN)
     assert make_plan(request).verification.findings == ()
     read_m = Terrain.heights_m
     monkeypatch.setattr(
         Terrain, "heights_m", lambda self, *place_deg: read_m(self, *place_deg) + 40.0
     )
     with pytest.raises(VerificationFailed, match=r"lies \+40\.0 m off the terrain in the mean"):
-        make_plan(read_plan_request(json.dumps(OVER_TERRAIN).encode()))
+        plan_of(OVER_TERRAIN)
 
 
 def test_windows_and_campaigns_are_those_of_the_height_written_out():
@@ -299,11 +300,11 @@ def test_a_line_of_the_plane_is_refused_over_terrain():
     target["line"] = "plane"
     document["sessions"][0]["stop"] = "2015-02-27T17:37:00Z"
     with pytest.raises(InvalidRequest, match="can't follow the terrain"):
-        read_plan_request(json.dumps(document).encode())
+        read_request(document)
     target["line"] = "geodesic"
     target["points"][0]["height_m"] = 600.0
     with pytest.raises(InvalidRequest, match=r"points\.1\.height_m is left out"):
-        read_plan_request(json.dumps(document).encode())
+        read_request(document)
 
 
 def test_a_file_is_set_by_its_name_on_the_command_line(tmp_path):

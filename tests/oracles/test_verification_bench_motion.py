@@ -109,8 +109,7 @@ def test_a_rate_off_the_motion_is_found(scenario, table):
 
 def test_a_motion_too_quick_for_the_table_is_found():
     quick = dataclasses.replace(
-        TARGET,
-        axes={**TARGET.axes, "beta": Sine(amplitude_deg=0.1, frequency_hz=2.0)},
+        TARGET, axes={**TARGET.axes, "beta": Sine(amplitude_deg=0.1, frequency_hz=2.0)}
     )
     table = table_of()
     rows_s = np.arange(FIRST_ROW, LAST_ROW + 1) / 5.0 - START_S

@@ -134,7 +134,6 @@ def test_the_rate_between_rows_is_judged():
     table = body_table()
     h, peak = COMMAND_STEP_S, np.deg2rad(1.0)
     alpha = np.deg2rad(0.05)
-    rows = np.array([0.0, h])
     turn = peak * h + alpha * h**2 / 6.0  # of a rate peak + alpha u (h - u) / h
     table = dataclasses.replace(
         table,
@@ -142,7 +141,6 @@ def test_the_rate_between_rows_is_judged():
         rate_rad_s=np.array([[peak, 0, 0]] * 2),
         acceleration_rad_s2=np.array([[alpha, 0, 0], [-alpha, 0, 0]]),
     )
-    assert rows[1] == h
     (rate,) = [m for m in BodyJudge(table, body_scenario()).margins() if m.kind == "rate"]
     assert rate.extreme == pytest.approx(peak + alpha * h / 4.0, rel=1e-6)
     assert rate.t_s == pytest.approx(0.1)
@@ -243,11 +241,7 @@ def test_a_camera_off_its_roll_rule_is_found(off_arcsec, passes):
 
 @pytest.mark.parametrize(
     "rule",
-    [
-        NearestRoll(),
-        AzimuthRoll(azimuth_deg=90.0),
-        SunSide(direction_body=(1.0, 0.0, 0.0)),
-    ],
+    [NearestRoll(), AzimuthRoll(azimuth_deg=90.0), SunSide(direction_body=(1.0, 0.0, 0.0))],
     ids=lambda rule: rule.rule,
 )
 def test_another_rule_than_the_one_flown_is_broken(table, rule):

@@ -5,12 +5,7 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
-from judged_tables import (
-    EPOCH_UTC,
-    changed,
-    only,
-    scenario_of,
-)
+from judged_tables import EPOCH_UTC, changed, only, scenario_of
 from scipy.interpolate import CubicHermiteSpline
 
 from planner.base.commands import CommandTable, axis_channels

@@ -5,12 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from judged_tables import (
-    ARCSEC_RAD,
-    EPOCH_UTC,
-    changed,
-    only,
-)
+from judged_tables import ARCSEC_RAD, EPOCH_UTC, changed, only
 
 from planner.base.commands import axis_channels
 from planner.verification import verify

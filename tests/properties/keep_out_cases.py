@@ -9,13 +9,7 @@ from scipy_boresight import scipy_boresight
 
 from planner.base.errors import InfeasibleSlew
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
-from planner.motion.slew import (
-    AxisState,
-    SlewProblem,
-    SlewSolution,
-    next_duration_s,
-    optimal_slew,
-)
+from planner.motion.slew import AxisState, SlewProblem, SlewSolution, next_duration_s, optimal_slew
 from planner.world.platforms import ISS_HRC
 
 LIMITS = ISS_HRC.outer_limits

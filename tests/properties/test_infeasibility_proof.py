@@ -9,11 +9,7 @@ from keep_out_cases import LIMITS, draw_cases
 from scipy_boresight import scipy_boresight
 
 from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
-from planner.motion.detour.infeasibility_proof import (
-    angle_tube,
-    cones_over,
-    is_unreachable,
-)
+from planner.motion.detour.infeasibility_proof import angle_tube, cones_over, is_unreachable
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import AxisState, SlewProblem
 from planner.motion.slew.closed_forms import quickest_profile

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from planner_values import plan_of
+from plausible_requests import plausible_request
 
 from planner.base import effort
 from planner.base.errors import SearchEnded
@@ -24,18 +26,16 @@ from planner.planning.opportunities.carrier import carrier_over
 from planner.planning.opportunities.looks import in_platform
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import sights_of
+from planner.planning.sessions.platforms.two_axis.mover import TwoAxisMover
+from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.field_masks import Region
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import itrf_from_geodetic, up_itrf
 from planner.world.frames.time_scales import Instants, shifted_utc
-from planner.world.orbits import StateVectorOrbit, TleOrbit
+from planner.world.orbits import OrbitStates, StateVectorOrbit, TleOrbit
 from planner.world.platforms import PLATFORMS, FieldMask
-from planner.world.targets import (
-    BodyTarget,
-    GroundTarget,
-    MovingGroundTarget,
-    StarTarget,
-)
+from planner.world.targets import BodyTarget, GroundTarget, MovingGroundTarget, StarTarget
 
 HRC = PLATFORMS["iss-hrc"]
 START = datetime(2016, 12, 31, 18, 0, tzinfo=UTC)  # six hours before a leap second
@@ -244,3 +244,39 @@ def test_more_work_than_a_request_may_make_is_refused(monkeypatch):
         find_opportunities(request(places))
     assert refused.value.field == "targets"
     assert opportunities_however_many(request(places)).windows.rise_s.size  # as campaigns do
+
+
+HEIGHT_M = 4e5
+
+
+def test_planner_and_judge_see_it_at_90_deg():
+    """At 2,000 turns of the Earth, at a quarter of which the sine rounds to more than 1."""
+    target = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
+    place_rad = np.deg2rad([target.latitude_deg, target.longitude_deg])
+    r_sat_itrf_m = itrf_from_geodetic(*place_rad, target.ground_height_m) + HEIGHT_M * up_itrf(
+        *place_rad
+    )
+    instants = Instants(datetime(2015, 2, 27, tzinfo=UTC), np.arange(0.0, 40_000.0, 20.0))
+    r_sat_eci_m = np.einsum("nji,j->ni", c_itrf_from_eci(instants), r_sat_itrf_m)
+    states = OrbitStates(r_sat_eci_m, np.ones_like(r_sat_eci_m))
+    # The target moves by 0.6 m while its light travels: 1.5 microradians off the vertical.
+    judged_rad = earth_fixed_sight(target, instants, states).elevation_rad
+    assert judged_rad == pytest.approx(np.full(2000, np.pi / 2.0), abs=3e-6)
+    planned_rad = target.apparent(instants, states).clearance_rad
+    assert planned_rad == pytest.approx(np.full(2000, np.pi / 2.0), abs=3e-6)
+
+
+@pytest.mark.parametrize("share", [1.0 - 1e-13, 1.0, 1.0 + 1e-13])
+def test_an_axis_that_waits_is_not_turned_round_for_the_last_digit(monkeypatch, share):
+    """Of seed 1032 alpha's slew takes longest, whichever whole turn beta goes to: by 15 or by 345
+    deg, which a sum's last digit decided."""
+    least_s = TwoAxisMover.least_s
+
+    def otherwise_rounded(mover, start, end):
+        turned = abs(end[1].angle_rad - start[1].angle_rad) > 3.2
+        return least_s(mover, start, end) * (share if turned else 1.0)
+
+    monkeypatch.setattr(TwoAxisMover, "least_s", otherwise_rounded)
+    request = plausible_request(1032, sessions_max=3)
+    plan = plan_of(request)
+    assert abs(plan.table.position[310, 1] - plan.table.position[0, 1]) < 0.3

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from planner_values import plan_of
 from random_resources import IDLES, PLATFORM, asked, beneath, plans, refusals, utc
 from skyfield.api import load, load_file, wgs84
 
 from app.requests.examples import LAS_VEGAS
-from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew, ResourceRunsOut
 from planner.planning.resources import resource_curves, spans_above
 from planner.planning.sessions.pipeline import make_plan
@@ -71,7 +71,7 @@ def test_another_start_is_told_where_waits_leave_enough():
     told = []
     for resources in ({}, {"resources": {"battery": battery | {"start_wh": 100.0}}}):
         with pytest.raises(InfeasibleSlew) as refused:
-            make_plan(read_plan_request(json.dumps(request | resources).encode()))
+            plan_of(request | resources)
         told.append(refused.value.earliest_feasible_start_utc)
     assert told[0] is not None
     assert told[1] == told[0]

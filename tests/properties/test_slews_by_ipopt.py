@@ -111,17 +111,11 @@ def test_what_ipopt_changes_changes_the_motion(name, monkeypatch):
 
 
 STATUSES = (
-    "Solved_To_Acceptable_Level",
-    "Search_Direction_Becomes_Too_Small",
-    "Infeasible_Problem_Detected",
-    "Maximum_Iterations_Exceeded",
-    "Restoration_Failed",
-    "Diverging_Iterates",
-    "Invalid_Number_Detected",
-    "Error_In_Step_Computation",
-    "Internal_Error",
+    "Solved_To_Acceptable_Level", "Search_Direction_Becomes_Too_Small",
+    "Infeasible_Problem_Detected", "Maximum_Iterations_Exceeded", "Restoration_Failed",
+    "Diverging_Iterates", "Invalid_Number_Detected", "Error_In_Step_Computation", "Internal_Error",
     "not finite",
-)
+)  # fmt: skip
 
 
 def told(monkeypatch, status, starts):

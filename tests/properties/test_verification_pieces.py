@@ -252,7 +252,7 @@ def test_past_the_iers_predictions_the_last_values_are_held():
 
 @settings(max_examples=200)
 @given(
-    moment=st.datetimes(datetime(1972, 1, 1), datetime(2026, 1, 1)),  # noqa: DTZ001 (given UTC below)
+    moment=st.datetimes(datetime(1972, 1, 1), datetime(2026, 1, 1))  # noqa: DTZ001 (given UTC below)
 )
 def test_tai_is_erfas(moment):
     utc = moment.replace(tzinfo=UTC, fold=0)

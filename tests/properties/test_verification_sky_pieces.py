@@ -8,18 +8,10 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from planner.verification import sky
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.light import bend_by_sun
-from planner.verification.sky import (
-    LIMB_MODEL_SHARE,
-    NUMBERS,
-    limb_clearance_rad,
-    lowest_point,
-    sky_sight,
-    tdb_s,
-    towards_star,
-)
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.targets import BodyTarget, GroundTarget, StarTarget
@@ -65,7 +57,7 @@ def test_a_star_is_bent_as_erfa_bends_it(source, sun, distance_au):
 def test_a_star_at_the_pole_moves_too():
     target = StarTarget(ra_deg=0.0, dec_deg=90.0, pm_ra_cosdec_mas_yr=1000.0)
     at_s = np.array([10.0 * 365.25 * 86400.0])
-    seen = towards_star(target, at_s, np.zeros((1, 3)))[0]
+    seen = sky.towards_star(target, at_s, np.zeros((1, 3)))[0]
     # the tangent of the way gone is the motion's: cubic in 10 arcsec
     expected = [0.0, np.sin(10.0 * erfa.DAS2R), np.cos(10.0 * erfa.DAS2R)]
     np.testing.assert_allclose(seen, expected, rtol=0, atol=1e-13)
@@ -75,14 +67,14 @@ def test_a_star_at_the_pole_moves_too():
 def test_tdb_is_erfas(years):
     tt = np.array([years * 365.25 * 86400.0])
     expected_s = erfa.dtdb(2451545.0, tt / 86400.0, 0.0, 0.0, 0.0, 0.0)
-    assert tdb_s(tt)[0] - tt[0] == pytest.approx(expected_s[0], abs=6e-5)  # the terms left out
+    assert sky.tdb_s(tt)[0] - tt[0] == pytest.approx(expected_s[0], abs=6e-5)  # the terms left out
 
 
 @given(sat=directions, height_m=st.floats(350e3, 36e6), look=directions, raised_m=st.floats(0, 3e5))
 def test_clearance_tells_whether_the_line_meets_the_raised_ellipsoid(sat, height_m, look, raised_m):
     r_sat_m = (6378137.0 + height_m) * sat
     semi_axes_m = WGS84_M + raised_m
-    clearance = limb_clearance_rad(look[None], r_sat_m[None], raised_m)[0]
+    clearance = sky.limb_clearance_rad(look[None], r_sat_m[None], raised_m)[0]
     line, start = look / semi_axes_m, r_sat_m / semi_axes_m
     discriminant = (line @ start) ** 2 - (line @ line) * (start @ start - 1.0)
     assume(abs(clearance) > 1e-9)
@@ -99,7 +91,9 @@ def test_clearance_tells_whether_the_line_meets_the_raised_ellipsoid(sat, height
 
 
 def test_a_carrier_below_the_grazing_altitude_sees_nothing():
-    clearance = limb_clearance_rad(np.array([[1.0, 0.0, 0.0]]), np.array([[6.6e6, 0.0, 0.0]]), 3e5)
+    clearance = sky.limb_clearance_rad(
+        np.array([[1.0, 0.0, 0.0]]), np.array([[6.6e6, 0.0, 0.0]]), 3e5
+    )
     assert clearance[0] <= 0.0
 
 
@@ -110,14 +104,14 @@ def test_the_lowest_point_is_the_lowest_of_the_line(sat, beside, passing_m):
     assume(np.linalg.norm(aside) > 1e-3)
     sine = (6.371e6 + passing_m) / 6.79e6
     look = sine * aside / np.linalg.norm(aside) - np.sqrt(1.0 - sine**2) * sat
-    height_m, way_m, up = lowest_point(look[None], r_sat_m[None])
+    height_m, way_m, up = sky.lowest_point(look[None], r_sat_m[None])
     along_m = way_m[0] + np.linspace(-100e3, 100e3, 2001)
     heights_m = erfa.gc2gd(1, r_sat_m + along_m[:, None] * look)[2]
     assert height_m[0] == pytest.approx(heights_m.min(), abs=1.0)  # as promised
     assert abs(up[0] @ look) < 1e-3
 
 
-names = st.sampled_from(["star", *NUMBERS])
+names = st.sampled_from(["star", *sky.NUMBERS])
 
 
 def star_at(direction, **more):
@@ -126,7 +120,7 @@ def star_at(direction, **more):
     return StarTarget(ra_deg=ra_deg, dec_deg=dec_deg, **more)
 
 
-def sights(target, instants, states, judge=sky_sight):
+def sights(target, instants, states, judge=sky.sky_sight):
     """As planned, as judged, and how far apart where the target is seen."""
     planned, judged = target.apparent(instants, states), judge(target, instants, states)
     apart_rad = np.linalg.norm(planned.direction_eci - judged.apparent_eci, axis=1)
@@ -173,7 +167,7 @@ def test_through_the_limb_the_two_models_differ_by_less_than_the_verdict_allows(
     target = star_at(towards, grazing_altitude_km=2.0, refraction="standard")
     planned, judged, apart_rad = sights(target, instants, states)
     seen = planned.clearance_rad > 0.0
-    allowed = 0.01 * ARCSEC_RAD + LIMB_MODEL_SHARE * judged.bending_rad
+    allowed = 0.01 * ARCSEC_RAD + sky.LIMB_MODEL_SHARE * judged.bending_rad
     assert np.all(apart_rad[seen] < allowed[seen])
     assert np.all(np.abs(planned.clearance_rad - judged.clearance_rad)[seen] < allowed[seen])
 

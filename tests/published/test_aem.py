@@ -89,10 +89,7 @@ def test_the_blue_books_quaternion_turns_vectors_of_a_into_vectors_of_b():
         (np.roll(QUATERNIONS, 1, axis=1), {"QUATERNION_TYPE": "FIRST"}),
         (QUATERNIONS * [-1, -1, -1, 1], {"ATTITUDE_DIR": "B2A"}),
         (-QUATERNIONS, {}),
-        (
-            QUATERNIONS * [-1, -1, -1, 1],
-            {"REF_FRAME_A": "SC_BODY_1", "REF_FRAME_B": "J2000"},
-        ),
+        (QUATERNIONS * [-1, -1, -1, 1], {"REF_FRAME_A": "SC_BODY_1", "REF_FRAME_B": "J2000"}),
         (
             QUATERNIONS,
             {"REF_FRAME_A": "SC_BODY_1", "REF_FRAME_B": "EME2000", "ATTITUDE_DIR": "B2A"},

@@ -14,6 +14,7 @@ from planner.world.scenario import InitialState, Scenario, Session
 from planner.world.targets import StarTarget
 
 EPOCH_UTC = datetime(2002, 6, 1, 12, tzinfo=UTC)
+STOP_UTC = EPOCH_UTC + timedelta(seconds=40)
 # STK help, "AttitudeTimeQuatAngVels Format (*.a) Example": t, q1..q4, rates 0 0 6 deg/s in body
 PUBLISHED = {
     0.0: (0.0, 0.0, 0.0, 1.0),
@@ -43,11 +44,7 @@ def test_spinning_body_gives_the_published_rows():
             platform=ISS_HRC,
             initial_state=InitialState(epoch=EPOCH_UTC, angles_deg={"alpha": 0.0, "beta": 0.0}),
             sessions=(
-                Session(
-                    target=StarTarget(ra_deg=0.0, dec_deg=0.0),
-                    start=EPOCH_UTC,
-                    stop=EPOCH_UTC + timedelta(seconds=40),
-                ),
+                Session(target=StarTarget(ra_deg=0.0, dec_deg=0.0), start=EPOCH_UTC, stop=STOP_UTC),
             ),
         ),
         segments=(),

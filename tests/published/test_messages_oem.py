@@ -141,17 +141,11 @@ def test_epochs_in_a_leap_second():
 @pytest.mark.parametrize(
     ("stated", "frame"),
     [
-        ("J2000", "EME2000"),
-        ("ICRF", "GCRF"),
-        ("GCRF", "GCRF"),
-        ("ITRF", "ITRF"),
-        ("ITRF-97", "ITRF"),
-        ("ITRF2014", "ITRF"),
-        ("ITRF2000", "ITRF"),
-        ("TEME", "TEME"),
+        ("J2000", "EME2000"), ("ICRF", "GCRF"), ("GCRF", "GCRF"), ("ITRF", "ITRF"),
+        ("ITRF-97", "ITRF"), ("ITRF2014", "ITRF"), ("ITRF2000", "ITRF"), ("TEME", "TEME"),
         ("eme2000", "EME2000"),
     ],
-)
+)  # fmt: skip
 def test_reference_frames(stated, frame):
     assert read_oem(KVN.replace("= EME2000", f"= {stated}")).segments[0].frame == frame
 

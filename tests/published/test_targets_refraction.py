@@ -12,16 +12,10 @@ EARTH_RADIUS_M = 6371e3
 @pytest.mark.parametrize(
     ("height_m", "density"),
     [
-        (0.0, 1.2250),
-        (5e3, 7.3643e-1),
-        (11e3, 3.6480e-1),
-        (20e3, 8.8910e-2),
-        (32e3, 1.3555e-2),
-        (50e3, 1.0269e-3),
-        (60e3, 3.0968e-4),
-        (80e3, 1.8458e-5),
+        (0.0, 1.2250), (5e3, 7.3643e-1), (11e3, 3.6480e-1), (20e3, 8.8910e-2), (32e3, 1.3555e-2),
+        (50e3, 1.0269e-3), (60e3, 3.0968e-4), (80e3, 1.8458e-5),
     ],
-)
+)  # fmt: skip
 def test_density_matches_the_standards_table(height_m, density):
     """U.S. Standard Atmosphere 1976, table I."""
     assert density_kg_m3(height_m) == pytest.approx(density, rel=5e-5)  # five printed digits
