@@ -1,7 +1,6 @@
 """A plan of a body with gyros flown closed loop: sensors, on-board laws, structure, gimbals."""
 
 import dataclasses
-import json
 import math
 
 import numpy as np
