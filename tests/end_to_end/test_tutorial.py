@@ -39,6 +39,7 @@ def check(command, shown):
     done = CliRunner().invoke(main, shlex.split(command))
     refusal = [line for line in shown if line.startswith("slewtrack: ")]
     assert done.exit_code == (2 if refusal else 0), (command, done.stderr)
+    assert "was left out" not in done.output, command  # what a campaign chooses can be planned
     told = (done.stderr if refusal else done.stdout).splitlines()
     for line in shown:
         assert line in told, (command, line)

@@ -4,7 +4,7 @@ The reference knows no planner of attitudes: the exact orbit and apparent direct
 roll rule what docs say, by vector products; rates are differences of rotation matrices.
 """
 
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from planner.planning.opportunities import (
 from planner.world.exclusions import Surroundings
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
+from planner.world.orbits.tle import TleOrbit
 from planner.world.platforms.body import (
     AzimuthRoll,
     LinesAcrossMotion,
@@ -95,6 +96,10 @@ BODIES = {
     "lines across the motion of a ship": ({"camera": SMALLSAT["camera"]}, SHIPS),
     "each target by a rule of its own": ({"camera": TILTED}, [*CITIES, SHIPS[0], SHIPS[5]]),
 }
+MORNING = TleOrbit(
+    line1="1 99001U          15058.50000000  .00000000  00000-0  00000-0 0    06",
+    line2="2 99001  97.6400 317.0000 0008000  90.0000   0.0000 15.04000000    05",
+)
 OWN_ROLLS = (
     AzimuthRoll(azimuth_deg=-40.0),
     None,
@@ -274,3 +279,36 @@ def test_windows_of_a_body_are_those_seen(case):
         assert not wrong.size, (row, t_s[wrong][:5], margin[wrong][:5], len(wrong))
         seen += np.count_nonzero(is_found)
     assert seen > 20, seen
+
+
+def test_a_session_isnt_held_where_one_star_tracker_takes_over_too_late_from_another():
+    """For less than the second between looks; by the better sense of the rule on rows of 0.2 s."""
+    each = [
+        tracker | {"sun_deg": sun_deg, "limb_deg": limb_deg}
+        for tracker, sun_deg, limb_deg in zip(
+            TRACKERS[:2], (53.195475, 47.311956), (36.306088, 42.80303), strict=True
+        )
+    ]
+    roll, target = LinesAcrossTrack(), GroundTarget(latitude_deg=12.97194, longitude_deg=77.59369)
+    start = datetime(2015, 2, 28, 5, tzinfo=UTC)
+    request = iss_request(
+        days=0.0,
+        platform=smallsat(star_trackers={"needed": 1, "each": each}),
+        orbit=MORNING,
+        start=start,
+        stop=start + timedelta(minutes=30),
+        targets=(OpportunityTarget(id="Bengaluru", target=target, roll=roll),),
+        conditions=OpportunityConditions(),
+    )
+    found = find_opportunities(request).windows
+    [held_from_s], [held_to_s] = found.held_from_s, found.held_to_s
+    assert held_to_s - held_from_s > 20.0
+    inside = np.linspace(held_from_s, held_to_s, round((held_to_s - held_from_s) / 0.2) + 1)
+    before = np.arange(found.rise_s[0] + 5.0, held_from_s - 0.2, 0.05)
+    for t_s, is_held in ((inside, True), (before, False)):
+        sky = Sky(request, target, t_s)
+        least_rad = max(
+            exclusion_margin(request.platform, sky, way).min()
+            for way in attitudes(request.platform, sky, roll, roll.rule)
+        )
+        assert (least_rad > 0.0) == is_held, least_rad

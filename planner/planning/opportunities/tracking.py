@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled, inlined, lean, nested
 from planner.base.vectors import (
     Powers,
@@ -43,6 +44,10 @@ class TrackingOptions(NamedTuple):
     within_share: float = 0.995  # of each limit: plans test the motion between rows, too
     within_rad: float = 2e-5  # of an exclusion: plans keep half of it between rows
     step_s: float = 1.0  # between looks: no attitude comes and goes in less
+    # The margin of star trackers has a kink where one takes over from another: what a body at
+    # 5 deg/s may lose of it on the way there, and looks so close that none is lost.
+    nearing_rad_s: float = 0.1
+    near_step_s: float = COMMAND_STEP_S
 
 
 OPTIONS = TrackingOptions()
@@ -279,19 +284,51 @@ def _ways_margins(
 
 
 @lean
-def session_holds(
+def session_margin_rad(
     b: Tracking, c: CarrierTables, p: Places, n: int, t_s: float, sign: float, aside: Vector,
     off_nadir_rad: float
-) -> bool:  # fmt: skip
-    """Whether a session may be there: with what plans keep between rows, and off the nadir."""
+) -> float:  # fmt: skip
+    """How far exclusions are away, where a session may be there: with what plans keep between rows,
+    and off the nadir.  Negative where it may not."""
     d, r_sat, v = _seen(c, p, n, t_s)
     if not p.in_space:
         off = angle_between(d, scaled(-1.0, r_sat))
         if not off + OPTIONS.within_rad < off_nadir_rad:
+            return -math.pi
+    kept = _kept(b, c, d, aside, r_sat, v, t_s)
+    if not kept > OPTIONS.within_rad:
+        return -math.pi
+    is_moved = _motion(b, c, p, n, t_s, sign, aside, len(b.limits)) > 1.0 - OPTIONS.within_share
+    return kept if is_moved else -math.pi
+
+
+@lean
+def kept_between(
+    b: Tracking, c: CarrierTables, p: Places, n: int, span_s: tuple[float, float], sign: float,
+    carried: tuple[bool, Vector, Vector], least_rad: float
+) -> bool:  # fmt: skip
+    """Whether exclusions are kept between two looks, too.
+
+    carried: whether the attitude is carried on from boresight and +X at the first, or follows from
+    the rule and its sense.  least_rad: of their margins at both.
+    """
+    length_s = span_s[1] - span_s[0]
+    if least_rad > 0.5 * OPTIONS.nearing_rad_s * length_s:
+        return True
+    is_carried, boresight, aside = carried
+    looks = math.ceil(length_s / OPTIONS.near_step_s - 1e-6)
+    for k in range(1, looks):
+        later_s = k / looks * length_s
+        t_s = span_s[0] + later_s
+        d, r_sat, v = _seen(c, p, n, t_s)
+        if is_carried:
+            there = _carried_over(aside, boresight, _carried_round(d, later_s))
+            lain = _carried_round(there, -later_s)
+        else:
+            lain = scaled(sign, aside_at(b, c, p, n, t_s, d, r_sat, v))
+        if not _kept(b, c, d, lain, r_sat, v, t_s) > OPTIONS.within_rad:
             return False
-    if not _kept(b, c, d, aside, r_sat, v, t_s) > OPTIONS.within_rad:
-        return False
-    return _motion(b, c, p, n, t_s, sign, aside, len(b.limits)) > 1.0 - OPTIONS.within_share
+    return True
 
 
 @lean
@@ -306,11 +343,12 @@ def _longest_run(
     cells = max(math.ceil((span_s[1] - span_s[0]) / OPTIONS.step_s), 1)
     held_a, held_b, longest, begins_s = math.nan, math.nan, 0.0, math.nan
     before_s, before, aside = span_s[0], (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    sign = 1.0 - 2.0 * sense
+    sign, far_rad = 1.0 - 2.0 * sense, 0.0
     for k in range(cells + 1):
         share = k / cells
         t_s = (1.0 - share) * span_s[0] + share * span_s[1]
         d, r_sat, v = _seen(c, p, n, t_s)
+        was_rad, was_aside = far_rad, aside
         for is_new in range(2):  # carried on, or begun anew where that is no more held
             if is_new == 0 and (b.roll != NEAREST or begins_s != begins_s):
                 continue
@@ -320,7 +358,13 @@ def _longest_run(
                 later_s = t_s - before_s
                 aside = _carried_over(aside, before, _carried_round(d, later_s))
                 aside = _carried_round(aside, -later_s)
-            is_held = session_holds(b, c, p, n, t_s, sign, aside, off_nadir_rad)
+            far_rad = session_margin_rad(b, c, p, n, t_s, sign, aside, off_nadir_rad)
+            is_held = far_rad > 0.0
+            if is_held and begins_s == begins_s:
+                carried = b.roll == NEAREST, before, was_aside
+                least_rad = min(was_rad, far_rad)
+                if not kept_between(b, c, p, n, (before_s, t_s), sign, carried, least_rad):
+                    begins_s, is_held = math.nan, is_new == 1
             if is_held and (begins_s != begins_s or (is_new and b.roll == NEAREST)):
                 begins_s = t_s
             if is_held:
@@ -464,14 +508,20 @@ def first_not_carried(
     for place in range(len(numbers)):
         start_s, stop_s = spans_s[place]
         cells = max(math.ceil((stop_s - start_s) / OPTIONS.step_s), 1)
+        n, far_rad = numbers[place], math.pi
         for k in range(cells + 1):
             share = k / cells
             t_s = (1.0 - share) * start_s + share * stop_s
-            d = _seen(c, p, numbers[place], t_s)[0]
-            later_s = t_s - before_s
+            d = _seen(c, p, n, t_s)[0]
+            later_s, was_rad, was_aside = t_s - before_s, far_rad, aside
             aside = _carried_over(aside, boresight, _carried_round(d, later_s))
             aside = _carried_round(aside, -later_s)
-            if not session_holds(b, c, p, numbers[place], t_s, 1.0, aside, off_nadir_rad):
+            far_rad = session_margin_rad(b, c, p, n, t_s, 1.0, aside, off_nadir_rad)
+            is_held = far_rad > 0.0
+            if is_held and k > 0:
+                carried, least_rad = (True, boresight, was_aside), min(was_rad, far_rad)
+                is_held = kept_between(b, c, p, n, (before_s, t_s), 1.0, carried, least_rad)
+            if not is_held:
                 unheld_s = t_s
             before_s, boresight = t_s, d
         if not math.isnan(unheld_s):
@@ -492,6 +542,7 @@ def follow_line(
     for n in range(len(begins_s)):
         for sense in range(b.senses):
             sign, as_window, as_session = 1.0 - 2.0 * sense, True, True
+            was_s, far_rad = begins_s[n], 0.0
             for k in range(-settling, cells + 1):
                 if k < 0:
                     t_s = begins_s[n] + k / settling * b.settle_s
@@ -499,10 +550,16 @@ def follow_line(
                     t_s = begins_s[n] + k / cells * duration_s
                 d, r_sat, v = _seen(c, p, n, t_s)
                 aside = scaled(sign, aside_at(b, c, p, n, t_s, d, r_sat, v))
-                if as_session:
-                    as_session = t_s >= 0.0 and session_holds(
-                        b, c, p, n, t_s, sign, aside, off_nadir_rad
-                    )
+                if as_session and t_s >= 0.0:
+                    was_rad = far_rad
+                    far_rad = session_margin_rad(b, c, p, n, t_s, sign, aside, off_nadir_rad)
+                    as_session = far_rad > 0.0
+                    if as_session and k > -settling:
+                        by_rule, least_rad = (False, d, aside), min(was_rad, far_rad)
+                        as_session = kept_between(
+                            b, c, p, n, (was_s, t_s), sign, by_rule, least_rad
+                        )
+                was_s, as_session = t_s, as_session and t_s >= 0.0
                 if k >= 0:
                     kept = _kept(b, c, d, aside, r_sat, v, t_s)
                     if not min(kept, _motion(b, c, p, n, t_s, sign, aside, 1)) > 0.0:

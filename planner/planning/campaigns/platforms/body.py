@@ -31,7 +31,8 @@ from planner.planning.opportunities.tracking import (
     Tracking,
     aside_at,
     first_not_carried,
-    session_holds,
+    kept_between,
+    session_margin_rad,
 )
 from planner.planning.sessions.platforms.body_budget import body_probabilities_at
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
@@ -117,10 +118,13 @@ class BodyFollower:
             )
             rate = (turn_after - turn_before) / (2.0 * OPTIONS.delta_s)
             acceleration = (turn_after + turn_before) / OPTIONS.delta_s**2
+            usable, goes_on = _usable(
+                tracking, carrier.tables, sight.places, which, t_s, sense, most_rad
+            )
             yield Following(
                 states=np.concatenate([then.as_quat(), rate, acceleration, is_free], axis=1),
-                usable=_usable(tracking, carrier.tables, sight.places, which, t_s, sense, most_rad),
-                goes_on=np.ones(len(t_s) - 1, np.bool_),
+                usable=usable,
+                goes_on=goes_on,
             )
 
     def rest_state(self, carrier: Carrier, at_s: float) -> Array:
@@ -312,12 +316,21 @@ def _usable(
     t_s: Array,
     sense: int,
     off_nadir_rad: float,
-) -> Mask:
-    """Whether a session may be there by a sense of the rule, at each sample, (n,)."""
-    usable, sign = np.empty(len(t_s), np.bool_), 1.0 - 2.0 * sense
+) -> tuple[Mask, Mask]:
+    """Whether a session may be there by a sense of the rule, at each sample, (n,), and between one
+    and the next, (n - 1,)."""
+    usable, goes_on = np.empty(len(t_s), np.bool_), np.ones(max(len(t_s) - 1, 0), np.bool_)
+    sign, was_rad = 1.0 - 2.0 * sense, 0.0
     for row in range(len(t_s)):
         n, at_s = which[row], t_s[row]
         d, _, r_sat, v = look(c, p, n, at_s)
         aside = scaled(sign, aside_at(b, c, p, n, at_s, d, r_sat, v))
-        usable[row] = session_holds(b, c, p, n, at_s, sign, aside, off_nadir_rad)
-    return usable
+        far_rad = session_margin_rad(b, c, p, n, at_s, sign, aside, off_nadir_rad)
+        usable[row] = far_rad > 0.0
+        # "nearest" is carried on from what a look comes after: see `first_unheld`.
+        if b.roll != NEAREST and min(was_rad, far_rad) > 0.0 and which[row - 1] == n:
+            by_rule, span_s = (False, d, aside), (t_s[row - 1], at_s)
+            least_rad = min(was_rad, far_rad)
+            goes_on[row - 1] = kept_between(b, c, p, n, span_s, sign, by_rule, least_rad)
+        was_rad = far_rad
+    return usable, goes_on
