@@ -34,7 +34,7 @@ class Histogram:
 
 
 @answer
-class Flown:
+class FlownRuns:
     """Runs of one session or of all of a plan's, by what they show; null where none is flown yet.
 
     in_frame: all frames hold the target.  sharp: all frames are sharp, too.
@@ -61,7 +61,7 @@ class Flown:
 
 
 @answer
-class FlownSession(Flown):
+class FlownSession(FlownRuns):
     """One session in all runs."""
 
     frames_held: Share | None = None
@@ -130,7 +130,7 @@ class FlightsHead:
 
 
 @answer
-class FlownPlan(Flown):
+class FlownPlan(FlownRuns):
     """All sessions in the same runs: in_frame and sharp hold of every session."""
 
     contributors: tuple[Contributor, ...] = ()

@@ -641,10 +641,14 @@ class Search:
                 is_better = False
                 for out in self._exchanges(number):
                     tries -= len(out) > 0
-                    if labels > 0 and (not out or tries >= 0):
-                        is_filled, made = self._fill_exactly(number, out, left, labels)
-                        is_better |= is_filled
-                        labels -= made
+                    if labels <= 0 or (out and tries < 0):
+                        continue
+                    looks, made = self._better_looks(number, out, left, labels)
+                    labels -= made
+                    if looks is not None:
+                        is_better = True
+                        self.value = self._value_with(number, looks)
+                        self.best = [*self.best[:number], looks, *self.best[number + 1 :]]
             left[targets_of(self.best[number])] -= 1.0
 
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
@@ -667,11 +671,11 @@ class Search:
             for other in outside:
                 yield one, other
 
-    def _fill_exactly(
+    def _better_looks(
         self, number: int, exchanged: tuple[int, ...], left_limit: Array, labels_max: int
-    ) -> tuple[bool, int]:
-        """Whether the choice got better by the pass's best path with these groups put in or out,
-        and labels made.
+    ) -> tuple[tuple[Look, ...] | None, int]:
+        """Of the pass's best path with these groups put in or out, None where the choice isn't
+        better by it; and labels made.
 
         left_limit: looks at each target that other passes leave, (targets,).
         """
@@ -685,7 +689,7 @@ class Search:
         looked_at = looking.look_limit - left_limit + wanted
         np.maximum.at(taken, looking.group[is_member], looked_at[is_member])
         if (np.bincount(looking.way_to, taken) > looking.way_limit).any():
-            return False, 0
+            return None, 0
         price = np.where(left_limit > 0.0, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
@@ -694,19 +698,18 @@ class Search:
         path, labels = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
         if path is None and network.scanned.any():
             path = ordered_path(network, worth, self._options.pass_orders)
-        if path is None or self._first_unheld(path.looks) is not None:
-            return False, labels
-        seen = {one.target for one in path.looks}
-        value = self.value + worth_of([path.looks]) - worth_of([looks])
-        if value <= self.value + self._options.worthless:
-            return False, labels
-        if not set(np.flatnonzero(kept).tolist()) <= seen:
-            return False, labels
-        if not self.keeps(self.best, number, path.looks):
-            return False, labels
-        self.best = [*self.best[:number], path.looks, *self.best[number + 1 :]]
-        self.value = value
-        return True, labels
+        is_better = (
+            path is not None
+            and self._first_unheld(path.looks) is None
+            and self._value_with(number, path.looks) > self.value + self._options.worthless
+            and set(np.flatnonzero(kept).tolist()).issubset(targets_of(path.looks))
+            and self.keeps(self.best, number, path.looks)
+        )
+        return (path.looks if path is not None and is_better else None), labels
+
+    def _value_with(self, number: int, looks: tuple[Look, ...]) -> float:
+        """Of the best choice with other looks in a pass."""
+        return self.value + worth_of([looks]) - worth_of([self.best[number]])
 
     def take_groups(self) -> None:
         """Groups, the most worth first, take the place of other looks, or other places."""

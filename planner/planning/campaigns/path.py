@@ -1,6 +1,6 @@
 """The looks of one pass, one after another, that are worth most together."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -80,14 +80,7 @@ def exact_path(
     labels_max: of a round, and of those before the last one.
     kept: targets whose price makes them wanted at every turn.
     """
-    made = list(
-        rounds(
-            lambda memory: Round(*_sweep(network, worth, memory)),
-            _repeats(network, worth, kept),
-            labels_max,
-            labels_max,
-        )
-    )
+    made = list(_rounds(network, worth, kept, labels_max, labels_max))
     found, labels = made[-1], sum(one.labels for one in made)
     targets = found.visits[:, 1]
     if not found.is_complete or len(np.unique(targets)) < len(targets):
@@ -123,10 +116,9 @@ def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float
 
     Tightened until a path of that value is known, or more than labels_max labels were made.
     """
-    repeats = _repeats(network, worth, ())
     known = best_path(network, worth)
     least = np.inf
-    for found in rounds(lambda memory: Round(*_sweep(network, worth, memory)), repeats, labels_max):
+    for found in _rounds(network, worth, (), labels_max):
         least = min(least, label_search.bound([found]))
         if least <= known.value + ROUNDING * abs(known.value):
             break
@@ -136,10 +128,17 @@ def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float
     return least, known
 
 
-def _repeats(network: Network, worth: Worth, kept: Sequence[int]) -> Repeats:
+def _rounds(
+    network: Network, worth: Worth, kept: Sequence[int], *labels_max: int
+) -> Iterator[Round]:
+    """kept: as of `exact_path`.  labels_max: as of `rounds`."""
     leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
     things = len(worth.price)
-    return Repeats(things, network.target, network.first, network.last, leap_ticks, pairs=kept)
+    return rounds(
+        lambda memory: Round(*_sweep(network, worth, memory)),
+        Repeats(things, network.target, network.first, network.last, leap_ticks, pairs=kept),
+        *labels_max,
+    )
 
 
 @compiled

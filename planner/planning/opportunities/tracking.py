@@ -118,6 +118,12 @@ def _carried_over(v: Vector, a: Vector, b: Vector) -> Vector:
     return plus(plus(v, 2.0 * dot(a, v), b), -dot(both, v) / (1.0 + dot(a, b)), both)
 
 
+@inlined
+def _carried_on(v: Vector, a: Vector, b: Vector, later_s: float) -> Vector:
+    """The same, ITRF, where that stands still in inertial space: unit vector b so much later."""
+    return _carried_round(_carried_over(v, a, _carried_round(b, later_s)), -later_s)
+
+
 @lean
 def aside_at(
     b: Tracking,
@@ -322,8 +328,7 @@ def kept_between(
         t_s = span_s[0] + later_s
         d, r_sat, v = _seen(c, p, n, t_s)
         if is_carried:
-            there = _carried_over(aside, boresight, _carried_round(d, later_s))
-            lain = _carried_round(there, -later_s)
+            lain = _carried_on(aside, boresight, d, later_s)
         else:
             lain = scaled(sign, aside_at(b, c, p, n, t_s, d, r_sat, v))
         if not _kept(b, c, d, lain, r_sat, v, t_s) > OPTIONS.within_rad:
@@ -355,9 +360,7 @@ def _longest_run(
             if is_new:
                 aside = scaled(sign, aside_at(b, c, p, n, t_s, d, r_sat, v))
             else:
-                later_s = t_s - before_s
-                aside = _carried_over(aside, before, _carried_round(d, later_s))
-                aside = _carried_round(aside, -later_s)
+                aside = _carried_on(aside, before, d, t_s - before_s)
             far_rad = session_margin_rad(b, c, p, n, t_s, sign, aside, off_nadir_rad)
             is_held = far_rad > 0.0
             if is_held and begins_s == begins_s:
@@ -513,9 +516,8 @@ def first_not_carried(
             share = k / cells
             t_s = (1.0 - share) * start_s + share * stop_s
             d = _seen(c, p, n, t_s)[0]
-            later_s, was_rad, was_aside = t_s - before_s, far_rad, aside
-            aside = _carried_over(aside, boresight, _carried_round(d, later_s))
-            aside = _carried_round(aside, -later_s)
+            was_rad, was_aside = far_rad, aside
+            aside = _carried_on(aside, boresight, d, t_s - before_s)
             far_rad = session_margin_rad(b, c, p, n, t_s, 1.0, aside, off_nadir_rad)
             is_held = far_rad > 0.0
             if is_held and k > 0:
@@ -550,7 +552,8 @@ def follow_line(
                     t_s = begins_s[n] + k / cells * duration_s
                 d, r_sat, v = _seen(c, p, n, t_s)
                 aside = scaled(sign, aside_at(b, c, p, n, t_s, d, r_sat, v))
-                if as_session and t_s >= 0.0:
+                as_session = as_session and t_s >= 0.0
+                if as_session:
                     was_rad = far_rad
                     far_rad = session_margin_rad(b, c, p, n, t_s, sign, aside, off_nadir_rad)
                     as_session = far_rad > 0.0
@@ -559,7 +562,7 @@ def follow_line(
                         as_session = kept_between(
                             b, c, p, n, (was_s, t_s), sign, by_rule, least_rad
                         )
-                was_s, as_session = t_s, as_session and t_s >= 0.0
+                was_s = t_s
                 if k >= 0:
                     kept = _kept(b, c, d, aside, r_sat, v, t_s)
                     if not min(kept, _motion(b, c, p, n, t_s, sign, aside, 1)) > 0.0:

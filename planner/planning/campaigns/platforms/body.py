@@ -34,6 +34,7 @@ from planner.planning.opportunities.tracking import (
     kept_between,
     session_margin_rad,
 )
+from planner.planning.opportunities.tracking import OPTIONS as TRACKING
 from planner.planning.sessions.platforms.body_budget import body_probabilities_at
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
@@ -108,6 +109,7 @@ class BodyFollower:
         tracking = self._lookout.tracking(sight)
         most_rad = self._lookout.off_nadir_max_rad(sight)
         is_free = np.full((len(t_s), 1), float(tracking.roll == NEAREST))
+        next_s = 1.001 * max(self._request.step_s, TRACKING.step_s)  # farther lies another look
         for sense in range(tracking.senses):
             before, then, after = (
                 self._attitudes(tracking, sight, which, at_s, sense)
@@ -119,7 +121,7 @@ class BodyFollower:
             rate = (turn_after - turn_before) / (2.0 * OPTIONS.delta_s)
             acceleration = (turn_after + turn_before) / OPTIONS.delta_s**2
             usable, goes_on = _usable(
-                tracking, carrier.tables, sight.places, which, t_s, sense, most_rad
+                tracking, carrier.tables, sight.places, which, t_s, sense, most_rad, next_s
             )
             yield Following(
                 states=np.concatenate([then.as_quat(), rate, acceleration, is_free], axis=1),
@@ -316,9 +318,13 @@ def _usable(
     t_s: Array,
     sense: int,
     off_nadir_rad: float,
+    next_s: float,
 ) -> tuple[Mask, Mask]:
     """Whether a session may be there by a sense of the rule, at each sample, (n,), and between one
-    and the next, (n - 1,)."""
+    and the next of the same look, (n - 1,).
+
+    next_s: no sample of the same look follows later than that.
+    """
     usable, goes_on = np.empty(len(t_s), np.bool_), np.ones(max(len(t_s) - 1, 0), np.bool_)
     sign, was_rad = 1.0 - 2.0 * sense, 0.0
     for row in range(len(t_s)):
@@ -328,9 +334,10 @@ def _usable(
         far_rad = session_margin_rad(b, c, p, n, at_s, sign, aside, off_nadir_rad)
         usable[row] = far_rad > 0.0
         # "nearest" is carried on from what a look comes after: see `first_unheld`.
-        if b.roll != NEAREST and min(was_rad, far_rad) > 0.0 and which[row - 1] == n:
+        least_rad = min(was_rad, far_rad)
+        if b.roll != NEAREST and least_rad > 0.0 and which[row - 1] == n:
             by_rule, span_s = (False, d, aside), (t_s[row - 1], at_s)
-            least_rad = min(was_rad, far_rad)
-            goes_on[row - 1] = kept_between(b, c, p, n, span_s, sign, by_rule, least_rad)
+            if span_s[1] - span_s[0] < next_s:
+                goes_on[row - 1] = kept_between(b, c, p, n, span_s, sign, by_rule, least_rad)
         was_rad = far_rad
     return usable, goes_on
