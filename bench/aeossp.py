@@ -38,15 +38,16 @@ from planner.base.compiled import compiled
 from planner.base.reporting import tell_nobody
 from planner.planning.campaigns.choice import (
     OPTIONS,
-    Looking,
     Passes,
     bound_at,
     choose,
     refill,
 )
 from planner.planning.campaigns.displaced import Exchanged, displaced_by
+from planner.planning.campaigns.looking import Looking
 from planner.planning.campaigns.network import NEVER, Network, edges_between
 from planner.planning.campaigns.path import Look, Worth
+from planner.planning.campaigns.pricing import PricedPasses
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M, itrf_from_geodetic
 from planner.world.frames.solar_system import r_sun_eci_m
@@ -388,7 +389,9 @@ def spare_batteries(
             is_short = True
     if not is_short:
         return chosen
-    refilled = refill([one.network for one in passes], looking, chosen, checker.first_unheld, FLEET)
+    networks = [one.network for one in passes]
+    given = PricedPasses(networks, networks, looking, checker.first_unheld)
+    refilled = refill(given, chosen, FLEET)
     # What the others took may be too much for one of them: it gives up, too, and nobody takes.
     return spare_batteries(case, passes, refilled, looking, checker)
 
@@ -429,8 +432,9 @@ def solve(case: Case, tell: Callable[[str], None]) -> Solution:
     tell(f"{len(passes)} passes, {sum(len(one.network.way) for one in passes)} times in view")
     checker = Checker(case, passes)
     networks = [one.network for one in passes]
-    choice = choose(networks, looking, tell_nobody, checker.first_unheld, FLEET)
-    bound = bound_at(networks, looking, choice.price, FLEET)
+    passes = PricedPasses(networks, networks, looking, checker.first_unheld)
+    choice = choose(passes, tell_nobody, FLEET)
+    bound = bound_at(passes, choice.price, FLEET)
     tell(f"chosen: {choice.value:g} of at most {bound:.1f}, greedy {choice.greedy_value:g}")
     unspared = list(choice.passes)
     return Solution(

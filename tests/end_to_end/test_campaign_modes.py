@@ -143,9 +143,9 @@ def test_the_choice_is_the_best_of_all_subsets_or_near_it(seed, monkeypatch):
     looking = {}
     choose = campaigns.choose_keeping
 
-    def keep_looking(keeping, networks, worths, *given, **named):
-        looking["it"] = worths
-        return choose(keeping, networks, worths, *given, **named)
+    def keep_looking(keeping, passes, *given, **named):
+        looking["it"] = passes.looking
+        return choose(keeping, passes, *given, **named)
 
     monkeypatch.setattr(campaigns, "choose_keeping", keep_looking)
     campaign = choose_campaign(request)

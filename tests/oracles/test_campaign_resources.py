@@ -67,7 +67,8 @@ def chosen(monkeypatch, request):
     kept, found, exchanged = {}, campaigns.choose_keeping, campaigns.exchange_looks
 
     def keeping(*given, **named):
-        kept["keeping"], kept["networks"], kept["looking"], *_ = given
+        kept["keeping"], passes, *_ = given
+        kept["networks"], kept["looking"] = passes.networks, passes.looking
         return found(*given, **named)
 
     def exchanging(*given):

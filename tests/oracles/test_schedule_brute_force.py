@@ -26,10 +26,12 @@ from planner.planning.campaigns import (
     orders,
 )
 from planner.planning.campaigns import campaign as campaigns
-from planner.planning.campaigns.choice import ChoiceOptions, Looking, choose
+from planner.planning.campaigns.choice import ChoiceOptions, choose
+from planner.planning.campaigns.looking import Looking
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.orders import most_worth, ordered_path
 from planner.planning.campaigns.path import Worth, best_path, bounded_path
+from planner.planning.campaigns.pricing import PricedPasses
 from planner.planning.opportunities import OpportunityConditions
 from planner.world.orbits import TleOrbit
 from planner.world.platforms import PLATFORMS
@@ -319,7 +321,8 @@ def test_a_pass_alone_is_filled_by_its_best_sequence(seed):
         length_steps=worth.steps, look_value=worth.value, look_limit=np.ones(5), group=alone,
         way_to=none, way_limit=np.zeros(0), settle_steps=np.zeros(1, np.intp),
     )  # fmt: skip
-    found = choose([network], looking, tell_nobody, lambda looks: None)
+    passes = PricedPasses([network], [network], looking, lambda looks: None)
+    found = choose(passes, tell_nobody)
     best = best_sequence(network, worth._replace(price=np.zeros(5)))
     assert found.value == pytest.approx(best, abs=1e-9)
 

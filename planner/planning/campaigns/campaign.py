@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 
@@ -35,10 +36,11 @@ from planner.planning.campaigns.fewer_looks import (
 )
 from planner.planning.campaigns.fleet import FleetRequest
 from planner.planning.campaigns.flown import resources_left
-from planner.planning.campaigns.joined import Joined, Relaxed, joined_of
+from planner.planning.campaigns.joined import Joined, joined_of
 from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
+from planner.planning.campaigns.pricing import Ask
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.resources import Keeping
 from planner.planning.campaigns.revision import PassResources, RevisionFound
@@ -100,6 +102,15 @@ class Campaign:
         return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
 
 
+PricedBy = Callable[[Joined], AbstractContextManager[Ask]]
+
+
+@contextmanager
+def priced_here(joined: Joined) -> Iterator[Ask]:
+    """By threads of this process."""
+    yield joined.priced_passes.answers
+
+
 def choose_campaign(
     request: CampaignRequest | FleetRequest, tell: Reporter = tell_nobody
 ) -> Campaign:
@@ -135,16 +146,17 @@ def choose_what_is_asked(
     request: CampaignRequest | FleetRequest,
     tell: Reporter = tell_nobody,
     looks: Mapping[str, CarrierLooks] | None = None,
+    priced_by: PricedBy = priced_here,
 ) -> tuple[Mapping[str, CampaignRequest], Campaign]:
     """`requests_to_choose`, and the choice.
 
-    looks: of each of these, where they are found, as pickle leaves them.  Of what stays of a
-    campaign that is revised only `revision` tells.
+    looks: of each of these, where they are found, as pickle leaves them.  priced_by: where passes
+    are priced.  Of what stays of a campaign that is revised only `revision` tells.
     """
     requests = requests_to_choose(request)
     if looks:
         looks = {one: looks[one].completed(own) for one, own in requests.items()}
-    found = choose_together(requests, tell, request.field_of, looks)
+    found = choose_together(requests, tell, request.field_of, looks, priced_by)
     revises = request.revises
     if revises is None:
         return requests, found
@@ -161,6 +173,7 @@ def choose_together(
     tell: Reporter = tell_nobody,
     field_of: Callable[[str, str], str] = lambda carrier, field: field,
     looks: Mapping[str, CarrierLooks] | None = None,
+    priced_by: PricedBy = priced_here,
 ) -> Campaign:
     """Choose for several carriers at once, whose targets are the same where their ids are.
 
@@ -169,25 +182,24 @@ def choose_together(
     Otherwise as `choose_campaign`.
     """
     joined = joined_of(looks) if looks else _joined(requests, tell)
-    networks, looking = joined.networks, joined.hopeful()
+    passes = joined.priced_passes
     is_kept = any(one.is_kept for one in requests.values())
     keeping = Keeping(joined, field_of) if is_kept else None
     proven: dict[bytes, float] = {}
 
     def prove(price: Array) -> float:
         if (at := price.tobytes()) not in proven:
-            proven[at] = bound_at(Relaxed(joined), looking, price)
+            proven[at] = bound_at(passes, price, ask=ask)
         return proven[at]
 
-    choice, rows = choose_keeping(
-        keeping, networks, looking, tell, joined.first_unheld, prove=prove
-    )
-    choice, left_out = exchange_looks(joined, looking, choice, keeping)
-    tell("proof", 0, 1, value=choice.value)
-    if keeping is not None and rows:
-        bound = bound_keeping(keeping, Relaxed(joined), looking, choice, rows)
-    else:
-        bound = prove(choice.price)
+    with priced_by(joined) as ask:
+        choice, rows = choose_keeping(keeping, passes, tell, ask=ask, prove=prove)
+        choice, left_out = exchange_looks(joined, passes, choice, keeping)
+        tell("proof", 0, 1, value=choice.value)
+        if keeping is not None and rows:
+            bound = bound_keeping(keeping, passes, choice, rows, ask)
+        else:
+            bound = prove(choice.price)
     bound = max(bound, choice.value)
     tell("proof", 1, 1, value=choice.value, bound=bound)
     candidates = joined.candidates

@@ -2,24 +2,27 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Protocol
+from functools import partial
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices, Mask, rank_among
-from planner.base.at_once import done_at_once
+from planner.base.arrays import Array, Indices
 from planner.base.reporting import Reporter
-from planner.planning.campaigns.network import Network, without_look
-from planner.planning.campaigns.orders import most_worth, ordered_path
-from planner.planning.campaigns.path import (
-    NOT_HELD,
-    Look,
-    Path,
-    Worth,
-    best_path,
-    bounded_path,
-    exact_path,
+from planner.planning.campaigns.looking import targets_of
+from planner.planning.campaigns.network import NO_COST, Cut
+from planner.planning.campaigns.orders import ordered_path
+from planner.planning.campaigns.path import Look, Path, Worth, exact_path
+from planner.planning.campaigns.pricing import (
+    Answer,
+    Ask,
+    Asked,
+    PricedPasses,
+    Put,
+    Question,
+    bounded_held_path,
+    free_path,
+    held_path,
+    most_at_best,
 )
 from planner.planning.campaigns.programmes import (
     Mixture,
@@ -28,23 +31,11 @@ from planner.planning.campaigns.programmes import (
     best_together,
 )
 
-FirstUnheld = Callable[[tuple[Look, ...]], tuple[int, int] | None]
-"""The first look that those before it don't let be held, and the last step at which it is not."""
-
-
 Prove = Callable[[Array], float]
 """What no choice is worth more than, by prices of looks at each target."""
 
 
 Passes = list[tuple[Look, ...]]
-
-
-class Networks(Protocol):
-    """Of all passes, by their number."""
-
-    def __len__(self) -> int: ...
-
-    def __getitem__(self, number: int, /) -> Network: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,160 +105,60 @@ class CampaignChoice:
     row_price: Array = field(default_factory=lambda: np.zeros(0))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Looking:
-    """What looks at each target may be.
-
-    length_steps, look_value: (targets, lengths), steps on the grid and what it is worth at the
-    best view; 0 for lengths there are not.  look_limit: (targets,).
-    group: number of each target's group, whose members are all looked at or none; -1 of none.
-    way_to: (groups,), number of what a group is one way to do.  way_limit: how many of its ways are
-    taken at most.  settle_steps: (networks,), before a look begins in that pass.
-    held_steps: whole steps that a look lasts at least, as length_steps.
-    spare_value: (targets,), no look that the networks leave out is worth more; 0 of groups.
-    """
-
-    length_steps: Indices
-    look_value: Array
-    look_limit: Array
-    group: Indices
-    way_to: Indices
-    way_limit: Array
-    settle_steps: Indices
-    held_steps: Indices = field(default_factory=lambda: NOT_HELD)
-    spare_value: Array = field(default_factory=lambda: np.zeros(1))
-
-    @property
-    def groups(self) -> int:
-        """How many there are."""
-        return int(self.group.max(initial=-1)) + 1
-
-    def members(self, group: int) -> Indices:
-        """Its targets."""
-        return np.flatnonzero(self.group == group)
-
-    def allowed(self, price: Array) -> Array:
-        """How many looks at each target pay most at these prices, (targets,): a group's members
-        one each, or none, and of the ways to do one thing the best.  Prices of members may be
-        negative."""
-        together = np.asarray(np.bincount(self.group + 1, price, self.groups + 1)[1:], np.float64)
-        taken = self.best_ways(together)
-        return np.where(self.group < 0, self.look_limit, np.append(taken, 0.0)[self.group])
-
-    def best_ways(self, value: Array) -> Mask:
-        """Groups worth something, (groups,), as many of the best as are taken of ways to do one
-        thing."""
-        taken = rank_among(self.way_to, value) < self.way_limit[self.way_to]
-        return np.asarray(taken & (value > 0.0))
-
-    def beside(self, price: Array) -> float:
-        """What all looks allowed pay at these prices, and those that no network has gain."""
-        spare = self._spare_looks(price) * (self.spare_value - price)
-        return float(self.allowed(price) @ price + spare.sum())
-
-    def _spare_looks(self, price: Array) -> Array:
-        """How many looks that no network has would gain at these prices, (targets,)."""
-        gains = (self.group < 0) & (self.spare_value > price)
-        return np.where(gains, self.look_limit, 0.0)
-
-    def wanted(self, passes: Iterable[Sequence[Look]], price: Array) -> Array:
-        """Looks taken at these prices beyond those that pay most, (targets,)."""
-        return self.looks_of(passes) + self._spare_looks(price) - self.allowed(price)
-
-    def less_prices(self, price: Array) -> Worth:
-        """The worth less a price for each observation, (targets,)."""
-        return Worth(self.length_steps, self.look_value, price, held_steps=self.held_steps)
-
-    def settled(self, worth: Worth, network: int) -> Worth:
-        """The same with the time that a look in that pass takes to settle."""
-        settle_steps = int(self.settle_steps[network])
-        if not settle_steps:
-            return worth
-        if settle_steps not in self._settled_steps:
-            steps = np.where(self.length_steps > 0, self.length_steps + settle_steps, 0)
-            self._settled_steps[settle_steps] = steps
-        return worth._replace(steps=self._settled_steps[settle_steps], settle_steps=settle_steps)
-
-    @cached_property
-    def _settled_steps(self) -> dict[int, Indices]:
-        """length_steps with so many more, by how many."""
-        return {}
-
-    def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
-        """How many observations each target gets, (targets,)."""
-        target = [one for looks in passes for one in targets_of(looks)]
-        return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
-
-
-def targets_of(looks: Sequence[Look]) -> list[int]:
-    """Of a pass, each once."""
-    return [one.target for one in looks]
-
-
 def worth_of(passes: Iterable[Sequence[Look]]) -> float:
     """The worth of all observations together."""
     return sum(one.value for looks in passes for one in looks)
 
 
 def choose(
-    networks: Sequence[Network],
-    looking: Looking,
+    passes: PricedPasses,
     tell: Reporter,
-    first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
     *,
+    ask: Ask | None = None,
     prove: Prove | None = None,
 ) -> CampaignChoice:
-    """Price observations that more passes want than may have; one network per pass.
+    """Price observations that more passes want than may have.
 
     Subgradient steps find the prices, and mixtures of what the passes want at them the rest of
     the way; the last mixture is then made whole, pass after pass, and one integer programme
     puts together what was proposed, where the choice isn't near the bound yet.
+    ask: where passes are priced; None: here.
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    return Search(networks, looking, first_unheld, options).found(tell, prove)
+    return Search(passes, options, ask).found(tell, prove)
 
 
 def choices_with_group(
-    networks: Sequence[Network],
-    looking: Looking,
-    passes: Passes,
-    first_unheld: FirstUnheld,
-    group: int,
-    options: ChoiceOptions = OPTIONS,
+    passes: PricedPasses, chosen: Passes, group: int, options: ChoiceOptions = OPTIONS
 ) -> list[Passes]:
     """Choices with all of a group, the most worth first: at its best places for looks of any
     length, and of each alone; other looks last as long, or make way."""
+    looking = passes.looking
     members, found = looking.members(group), []
     lasts = np.zeros_like(looking.length_steps, np.bool_)
-    for look in (look for looks in passes for look in looks):
+    for look in (look for looks in chosen for look in looks):
         lasts[look.target, look.length] = True
     every = np.arange(looking.length_steps.shape[1])
     for lengths in (every, *every[:, None]):
         lasts[members] = np.isin(every, lengths)
         steps, value = looking.length_steps * lasts, looking.look_value * lasts
         own = replace(looking, length_steps=steps, look_value=value)
-        search = Search(networks, own, first_unheld, options)
-        search.best = passes
+        search = Search(passes.with_looking(own), options)
+        search.best = chosen
         found += [
             search.whole_groups(search.with_group(members, first))
-            for first, network in enumerate(networks)
+            for first, network in enumerate(passes.networks)
             if np.isin(network.target, members).any()
         ]
     return sorted(found, key=worth_of, reverse=True)
 
 
-def refill(
-    networks: Sequence[Network],
-    looking: Looking,
-    passes: Passes,
-    first_unheld: FirstUnheld,
-    options: ChoiceOptions = OPTIONS,
-) -> Passes:
+def refill(passes: PricedPasses, chosen: Passes, options: ChoiceOptions = OPTIONS) -> Passes:
     """Pass after pass takes what is worth most of what the others leave, until nothing gains."""
-    search = Search(networks, looking, first_unheld, options)
-    search.refill_passes(passes)
+    search = Search(passes, options)
+    search.refill_passes(chosen)
     return search.best
 
 
@@ -279,17 +170,14 @@ class Search:
     """
 
     def __init__(
-        self,
-        networks: Sequence[Network],
-        looking: Looking,
-        first_unheld: FirstUnheld,
-        options: ChoiceOptions,
+        self, passes: PricedPasses, options: ChoiceOptions, ask: Ask | None = None
     ) -> None:
-        self._networks, self._free = list(networks), networks
-        self._first_unheld = first_unheld
-        self._looking = looking
+        self._passes, self._ask = passes, ask or passes.answers
+        self._networks, self._looking = passes.networks, passes.looking
+        looking = self._looking
         self._options = options
-        self.best: Passes = [()] * len(networks)
+        self._cuts: list[tuple[Cut, ...]] = [()] * len(self._networks)
+        self.best: Passes = [()] * len(self._networks)
         self.value = 0.0
         # At these nothing gains: all observations at their best.
         self.price: Array = looking.look_value.max(axis=1)
@@ -300,7 +188,7 @@ class Search:
         self._holds = False  # whether paths that passes take at prices are such as can be held
         self._is_priced = False
         # Of each pass at its latest own prices.
-        self._answered: dict[int, tuple[bytes, float, Path]] = {}
+        self._answered: dict[int, tuple[bytes, Answer]] = {}
         self._fitted: dict[int, tuple[bytes, Path]] = {}
 
     def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
@@ -460,47 +348,47 @@ class Search:
 
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
-        worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
-        paths = done_at_once(lambda number: self._held_path(number, worth), part.tolist())
+        numbers, left_price = part.tolist(), np.where(left_limit > 0.0, price, np.inf)
+        answers = self._answers(held_path, left_price, numbers)
         return [
             (number, path.looks)
-            for number, path in zip(part.tolist(), paths, strict=True)
+            for number, (_, path, _) in zip(numbers, answers, strict=True)
             if path.looks
         ]
 
-    def _held_path(self, number: int, worth: Worth) -> Path:
-        """Of a pass; a look that those before it don't let be held is taken after them no more."""
-        while True:
-            network = self._networks[number]
-            path = best_path(network, self._looking.settled(worth, number))
-            unheld = self._first_unheld(path.looks)
-            if unheld is None:
-                return path
-            place, last_step = unheld
-            look = path.looks[place]
-            way, *before = (
-                int(np.searchsorted(network.way, one.way))
-                for one in reversed(path.looks[max(place - 1, 0) : place + 1])
-            )
-            cell = int(network.offset[way] - network.first[way]) - network.first_step
-            begin = cell + look.first_step - int(self._looking.settle_steps[number])
-            end = max(cell + last_step, begin)
-            self._networks[number] = without_look(
-                network, before[0] if before else None, way, begin, end
-            )
+    def _held_path(self, number: int, worth: Worth, cost: Array = NO_COST) -> Path:
+        """Of a pass."""
+        answer = held_path(self._passes, Asked(number, self._cuts[number], cost), worth)
+        self._cuts[number] = answer.cuts
+        return answer.path
 
-    def _priced_path(self, number: int, worth: Worth) -> tuple[float, Path]:
-        """Of a pass, and what none of its paths is worth more than."""
-        free, settled = self._free[number], self._looking.settled(worth, number)
+    def _answers(
+        self, put: Put, price: Array, numbers: Sequence[int], costs: Sequence[Array] = ()
+    ) -> Sequence[Answer]:
+        """Of some passes, whose looks cost something or nothing."""
+        own_costs = costs or [NO_COST] * len(numbers)
+        asked = [
+            Asked(number, self._cuts[number], cost)
+            for number, cost in zip(numbers, own_costs, strict=True)
+        ]
+        answers = self._ask(Question(put, price), asked)
+        for number, answer in zip(numbers, answers, strict=True):
+            self._cuts[number] = answer.cuts
+        return answers
+
+    def _priced(self, price: Array) -> Sequence[Answer]:
+        """Of all passes."""
+        numbers = range(len(self._networks))
         if not self._is_priced:
-            path = self._held_path(number, worth) if self._holds else best_path(free, settled)
-            return path.value, path
-        own = worth.price[free.target].tobytes()  # most passes' prices stand still near the end
-        if self._answered.get(number, (b"",))[0] != own:
-            most, path = bounded_path(free, settled, self._options.priced_labels_max)
-            is_held = self._first_unheld(path.looks) is None
-            self._answered[number] = own, most, path if is_held else self._held_path(number, worth)
-        return self._answered[number][1:]
+            return self._answers(held_path if self._holds else free_path, price, numbers)
+        own = [price[network.target].tobytes() for network in self._networks]
+        anew = [  # most passes' prices stand still near the end
+            number for number in numbers if self._answered.get(number, (b"",))[0] != own[number]
+        ]
+        put = partial(bounded_held_path, labels_max=self._options.priced_labels_max)
+        for number, answer in zip(anew, self._answers(put, price, anew), strict=True):
+            self._answered[number] = own[number], answer
+        return [self._answered[number][1] for number in numbers]
 
     def keeps(self, passes: Passes, number: int, looks: tuple[Look, ...]) -> bool:
         """Whether a pass (-1: none) may have these looks beside what the others have."""
@@ -516,7 +404,7 @@ class Search:
 
     def _fitting_path(self, number: int, worth: Worth, passes: Passes) -> Path:
         """The path of a pass that is worth most beside what the others have."""
-        own = worth.price[self._free[number].target].tobytes()  # most stand still in a sweep
+        own = worth.price[self._networks[number].target].tobytes()  # most stand still in a sweep
         if self._fitted.get(number, (b"",))[0] != own:
             self._fitted[number] = own, self._held_path(number, worth)
         return self._fitted[number][1]
@@ -536,12 +424,10 @@ class Search:
 
     def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
-        worth = self._looking.less_prices(price)
-        numbers = range(len(self._networks))
-        answers = [*done_at_once(lambda number: self._priced_path(number, worth), numbers)]
-        passes = [path.looks for _, path in answers]
+        answers = self._priced(price)
+        passes = [path.looks for _, path, _ in answers]
         lagrangian = self._looking.beside(price)
-        lagrangian += sum(most for most, _ in answers)
+        lagrangian += sum(most for most, _, _ in answers)
         for number, looks in enumerate(passes):
             self._proposed.pop((number, looks), None)  # the latest come last
             if looks and self._holds:
@@ -693,14 +579,14 @@ class Search:
         price = np.where(left_limit > 0.0, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
-        network = self._networks[number]
+        network = self._passes.cut_network(number, self._cuts[number])
         worth = looking.settled(looking.less_prices(price), number)
         path, labels = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
         if path is None and network.scanned.any():
             path = ordered_path(network, worth, self._options.pass_orders)
         is_better = (
             path is not None
-            and self._first_unheld(path.looks) is None
+            and self._passes.first_unheld(path.looks) is None
             and self._value_with(number, path.looks) > self.value + self._options.worthless
             and set(np.flatnonzero(kept).tolist()).issubset(targets_of(path.looks))
             and self.keeps(self.best, number, path.looks)
@@ -753,30 +639,32 @@ class Search:
 
 
 def bound_at(
-    networks: Networks,
-    looking: Looking,
+    passes: PricedPasses,
     price: Array,
     options: ChoiceOptions = OPTIONS,
+    *,
+    ask: Ask | None = None,
+    costs: Sequence[Array] = (),
     rent_costs: Sequence[float] = (),
     room_value: float = 0.0,
 ) -> float:
     """No choice of paths is worth more, whatever the prices, (targets,), >= 0 but of groups.
 
     Lagrangian relaxation of "no more looks than look_limit", and "as many as its group's".
-    rent_costs: of further rows, what each pass pays that has any look; the networks hold what looks
-    pay.
+    ask: where passes are priced; None: here.
+    costs, rent_costs: of further rows, what each pass pays for its looks, as of `Network`, and what
+    it pays where it has any.
     room_value: of all that these rows have.
     """
-    labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
-    orders_max = options.bound_orders_max // max(len(networks), 1)
-    worth = looking.less_prices(price)
+    looking, count = passes.looking, len(passes.networks)
+    most = partial(
+        most_at_best,
+        labels_max=min(options.pass_labels_max, options.bound_labels_max // max(count, 1)),
+        orders_max=options.bound_orders_max // max(count, 1),
+    )
+    asked = [Asked(number, cost=cost) for number, cost in enumerate(costs or [NO_COST] * count)]
     priced = looking.beside(price) + room_value
-    rents = rent_costs or [0.0] * len(networks)
-
-    def most(number: int) -> float:
-        one, settled = networks[number], looking.settled(worth, number)
-        return min(bounded_path(one, settled, labels_max)[0], most_worth(one, settled, orders_max))
-
-    for value, rent in zip(done_at_once(most, range(len(networks))), rents, strict=True):
-        priced += max(value - rent, 0.0)
+    answers = (ask or passes.answers)(Question(most, price), asked)
+    for answer, rent in zip(answers, rent_costs or [0.0] * count, strict=True):
+        priced += max(answer.most - rent, 0.0)
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

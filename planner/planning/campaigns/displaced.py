@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
-from planner.planning.campaigns.choice import ChoiceOptions, FirstUnheld, Passes, worth_of
+from planner.planning.campaigns.choice import ChoiceOptions, Passes, worth_of
+from planner.planning.campaigns.looking import FirstUnheld
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.path import Look, Worth, best_path, look_worth
 from planner.planning.campaigns.resources import Keeping, RunsOut

@@ -9,7 +9,6 @@ import numpy as np
 from planner.planning.campaigns.choice import (
     CampaignChoice,
     ChoiceOptions,
-    Looking,
     Passes,
     choices_with_group,
     worth_of,
@@ -23,18 +22,19 @@ from planner.planning.campaigns.displaced import (
 )
 from planner.planning.campaigns.joined import Joined
 from planner.planning.campaigns.path import Look
+from planner.planning.campaigns.pricing import PricedPasses
 from planner.planning.campaigns.resources import OPTIONS, Keeping, RunsOut
 
 
 def exchange_looks(
-    joined: Joined, looking: Looking, choice: CampaignChoice, keeping: Keeping | None
+    joined: Joined, passes: PricedPasses, choice: CampaignChoice, keeping: Keeping | None
 ) -> tuple[CampaignChoice, tuple[Displaced, ...]]:
     """The choice with looks in the place of what is worth less, as long as any are found; then the
     look that each target, or scan, without one came nearest to."""
     left = OPTIONS.exchanges_max
     while True:
         found: list[Displaced] = []
-        for one, better in _nearest_looks(joined, looking, choice, keeping):
+        for one, better in _nearest_looks(joined, passes, choice, keeping):
             found.append(one)
             if better is not None and left > 0:
                 choice = replace(choice, passes=tuple(better), value=worth_of(better))
@@ -45,11 +45,12 @@ def exchange_looks(
 
 
 def _nearest_looks(
-    joined: Joined, looking: Looking, choice: CampaignChoice, keeping: Keeping | None
+    joined: Joined, passes: PricedPasses, choice: CampaignChoice, keeping: Keeping | None
 ) -> Iterator[tuple[Displaced, Passes | None]]:
     """The look that each target without one came nearest to, and a better choice with it, where
     there is one."""
-    networks, candidates, group = joined.networks, joined.candidates, looking.group
+    candidates, looking = joined.candidates, passes.looking
+    networks, group = joined.networks, looking.group
     chosen = [look for looks in choice.passes for look in looks]
     looked_at = {candidates[look.target].wanted.id for look in chosen}
     grouped: dict[int, list[Look]] = {}
@@ -75,7 +76,7 @@ def _nearest_looks(
         elif keeping is not None:
             if own_group not in with_groups:
                 with_groups[own_group] = _better_with_group(
-                    joined, looking, choice, exchanged, keeping, own_group, tries
+                    joined, passes, choice, exchanged, keeping, own_group, tries
                 )
             better, out = with_groups[own_group]
             one = replace(one, out=out)
@@ -91,7 +92,7 @@ def _nearest_looks(
 
 def _better_with_group(
     joined: Joined,
-    looking: Looking,
+    passes: PricedPasses,
     choice: CampaignChoice,
     exchanged: Sequence[Exchanged],
     keeping: Keeping,
@@ -99,15 +100,14 @@ def _better_with_group(
     tries: int,
 ) -> tuple[Passes | None, RunsOut | None]:
     """A better choice with all of a group that keeps, or else what the first one runs out of."""
-    found = choices_with_group(
-        joined.networks, looking, list(choice.passes), joined.first_unheld, group
-    )
-    carriers, members = range(len(joined.carriers)), frozenset(looking.members(group).tolist())
+    found = choices_with_group(passes, list(choice.passes), group)
+    members = frozenset(passes.looking.members(group).tolist())
+    carriers = range(len(joined.carriers))
     tried = (
         (kept, out)
-        for passes in found
+        for one in found
         for _, kept, out in beside(
-            passes, worth_of(passes) - choice.value, members, exchanged, keeping, carriers
+            one, worth_of(one) - choice.value, members, exchanged, keeping, carriers
         )
     )
     first: RunsOut | None = None

@@ -10,10 +10,11 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.planning.campaigns.candidates import LookCandidate
 from planner.planning.campaigns.carrier_looks import CarrierLooks
-from planner.planning.campaigns.choice import FirstUnheld, Looking
+from planner.planning.campaigns.looking import FirstUnheld, Looking
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
-from planner.planning.campaigns.request import BOUNDS
+from planner.planning.campaigns.pricing import PricedPasses
+from planner.planning.campaigns.request import BOUNDS, CampaignRequest
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,13 +143,33 @@ class Joined:
                     named[number] = carrier, one.scans[0].pass_number
         return named
 
-    def hopeful(self) -> Looking:
-        """The same, a group that lacks a target worth nothing."""
+    @cached_property
+    def priced_passes(self) -> PricedPasses:
+        """All passes; looks at a group that lacks a target are worth nothing."""
         looking = self.looking
         unseen = [n for n in range(len(self.candidates)) if n not in self.seen]
         is_hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
         value: Array = looking.look_value * is_hopeful[:, None]
-        return replace(looking, look_value=value)
+        return _priced(self, replace(looking, look_value=value))
+
+    def part(self, carriers: Sequence[int]) -> "Part":
+        """Of some carriers, by their places in order."""
+        names = tuple(self.carriers)
+        place = {carrier: n for n, carrier in enumerate(carriers)}
+        numbers = [n for n, (carrier, _) in enumerate(self.order) if carrier in place]
+        looking = self.priced_passes.looking
+        return Part(
+            numbers=numbers,
+            joined=Joined(
+                carriers={names[one]: self.looks_by_carrier[one] for one in carriers},
+                candidates=(),  # what they are worth is told by `looking`
+                numbers=tuple(self.numbers[one] for one in carriers),
+                first_way=self.first_way[list(carriers)],
+                order=tuple((place[one], own) for one, own in self.order if one in place),
+            ),
+            looking=replace(looking, settle_steps=looking.settle_steps[numbers]),
+            requests={names[one]: self.looks_by_carrier[one].request for one in carriers},
+        )
 
 
 class Relaxed:
@@ -163,6 +184,26 @@ class Relaxed:
 
     def __getitem__(self, number: int) -> Network:
         return self._joined.numbered(*self._joined.order[number], CarrierLooks.relaxed)
+
+
+def _priced(joined: Joined, looking: Looking) -> PricedPasses:
+    return PricedPasses(joined.networks, Relaxed(joined), looking, joined.first_unheld)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Part:
+    """Passes of some carriers, to be priced where pickle takes them; numbers: theirs among all."""
+
+    numbers: Sequence[int]
+    joined: Joined
+    looking: Looking
+    requests: Mapping[str, CampaignRequest]
+
+    def priced_passes(self) -> PricedPasses:
+        """By their places in `numbers`."""
+        for carrier, looks in self.joined.carriers.items():
+            looks.completed(self.requests[carrier])
+        return _priced(self.joined, self.looking)
 
 
 def joined_of(carriers: Mapping[str, CarrierLooks]) -> Joined:

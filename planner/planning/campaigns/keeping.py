@@ -6,15 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.at_once import done_at_once
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.choice import (
     OPTIONS,
     CampaignChoice,
     ChoiceOptions,
-    FirstUnheld,
-    Looking,
-    Networks,
     Passes,
     Prove,
     Search,
@@ -23,6 +19,7 @@ from planner.planning.campaigns.choice import (
 )
 from planner.planning.campaigns.network import NO_COST, Network
 from planner.planning.campaigns.path import Look, Path, Worth
+from planner.planning.campaigns.pricing import Ask, PricedPasses, held_path
 from planner.planning.campaigns.programmes import (
     Mixture,
     Proposal,
@@ -50,12 +47,11 @@ KEEPING = KeepingOptions()
 
 def choose_keeping(
     keeping: Keeping | None,
-    networks: Sequence[Network],
-    looking: Looking,
+    passes: PricedPasses,
     tell: Reporter,
-    first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
     *,
+    ask: Ask | None = None,
     prove: Prove | None = None,
 ) -> tuple[CampaignChoice, tuple[RoomStretch, ...]]:
     """As `choose`, and the rows that its `row_price` is of.
@@ -65,26 +61,26 @@ def choose_keeping(
     prices of stretches come from the programmes' rows, with those of targets.
     """
     if keeping is None:
-        return choose(networks, looking, tell, first_unheld, options, prove=prove), ()
+        return choose(passes, tell, options, ask=ask, prove=prove), ()
 
     def tell_stage(stage: str, done: int, of: int, /, **_: float | None) -> None:
         """Without a value that may take more than there is."""
         tell(stage, done, of)
 
-    free = choose(networks, looking, tell_stage, first_unheld, options)
+    free = choose(passes, tell_stage, options, ask=ask)
     if keeping.keeps(free.passes):
         return free, ()
-    search = _KeepingSearch(networks, looking, first_unheld, options, keeping, free)
+    search = _KeepingSearch(passes, options, ask, keeping, free)
     choice = search.found(tell)
     return choice, tuple(search.rows[: len(choice.row_price)])
 
 
 def bound_keeping(
     keeping: Keeping,
-    networks: Networks,
-    looking: Looking,
+    passes: PricedPasses,
     choice: CampaignChoice,
     rows: Sequence[RoomStretch],
+    ask: Ask,
 ) -> float:
     """As `bound_at`, of choices that keep all resources.
 
@@ -93,8 +89,10 @@ def bound_keeping(
     all the while: no more than it does.  What wheels hold is left out: no choice is worth more for
     keeping that, too.
     """
-    dear, rents, room_value = keeping.priced(networks, rows, choice.row_price)
-    return bound_at(dear, looking, choice.price, rent_costs=rents, room_value=room_value)
+    costs, rents, room_value = keeping.priced(passes.networks, rows, choice.row_price)
+    return bound_at(
+        passes, choice.price, ask=ask, costs=costs, rent_costs=rents, room_value=room_value
+    )
 
 
 class _KeepingSearch(Search):
@@ -106,14 +104,13 @@ class _KeepingSearch(Search):
 
     def __init__(
         self,
-        networks: Sequence[Network],
-        looking: Looking,
-        first_unheld: FirstUnheld,
+        passes: PricedPasses,
         options: ChoiceOptions,
+        ask: Ask | None,
         keeping: Keeping,
         free: CampaignChoice,
     ) -> None:
-        super().__init__(networks, looking, first_unheld, options)
+        super().__init__(passes, options, ask)
         self._keeping = keeping
         self.rows: list[RoomStretch] = []
         self.price = free.price
@@ -191,26 +188,16 @@ class _KeepingSearch(Search):
     def _answer(self, price: Array, row_price: Array) -> None:
         """What the passes would take at these prices, and what the Lagrangian then is."""
         rows = self.rows[: len(row_price)]
-        dear, rents, room_value = self._keeping.priced(self._free, rows, row_price)
-        worth = self._looking.less_prices(price)
+        costs, rents, room_value = self._keeping.priced(self._networks, rows, row_price)
         lagrangian = self._looking.beside(price) + room_value
-        paths = done_at_once(
-            lambda number: self._at(number, dear[number].cost, worth), range(len(dear))
-        )
-        for number, (path, rent) in enumerate(zip(paths, rents, strict=True)):
+        answers = self._answers(held_path, price, range(len(costs)), costs)
+        for number, ((_, path, _), rent) in enumerate(zip(answers, rents, strict=True)):
             lagrangian += max(path.value - rent, 0.0)
             if path.looks:
                 self._proposed.pop((number, path.looks), None)  # the latest come last
                 self._proposed[number, path.looks] = None
         if lagrangian < self._bound:
             self._bound, self.price, self.row_price = lagrangian, price, row_price
-
-    def _at(self, number: int, cost: Array, worth: Worth) -> Path:
-        """The best path of a pass whose looks pay."""
-        self._networks[number] = self._networks[number]._replace(cost=cost)
-        path = self._held_path(number, worth)
-        self._networks[number] = self._networks[number]._replace(cost=NO_COST)
-        return path
 
     def _mixed(
         self, proposals: Sequence[Proposal], left_limit: Array, fixed: Passes | tuple[()]
@@ -276,12 +263,12 @@ class _KeepingSearch(Search):
 
     def _fitting_path(self, number: int, worth: Worth, passes: Passes) -> Path:
         """At the least price of a second at which all resources keep beside what others use."""
-        network = self._free[number]
+        network = self._networks[number]
         cost = NO_COST
         if self._rented is not None:
             rows = self.rows[: len(self._rented)]
-            cost = self._keeping.paying(number, network, rows, self._rented).cost
-        path = self._at(number, cost, worth)
+            cost = self._keeping.cost(number, network, rows, self._rented)
+        path = self._held_path(number, worth, cost)
         own = sum(look.value - worth.price[look.target] for look in passes[number])
         if path.value <= own + self._options.worthless:
             return path
@@ -292,7 +279,7 @@ class _KeepingSearch(Search):
         for _ in range(KEEPING.dearer):
             middle = 0.5 * (low + high)
             dearer = self._keeping.dear(network._replace(cost=cost), middle)
-            path = self._at(number, dearer.cost, worth)
+            path = self._held_path(number, worth, dearer)
             if path.looks:
                 self._proposed[number, path.looks] = None
             if self._keeping.keeps(passes, number, path.looks):
@@ -312,10 +299,14 @@ class _KeepingSearch(Search):
 
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         rows = self.rows[: len(self.row_price)]
-        dear, _, _ = self._keeping.priced(self._free, rows, self.row_price)
-        worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
-        paths = [(number, self._at(number, dear[number].cost, worth)) for number in part.tolist()]
-        return [(number, path.looks) for number, path in paths if path.looks]
+        costs, _, _ = self._keeping.priced(self._networks, rows, self.row_price)
+        numbers, left_price = part.tolist(), np.where(left_limit > 0.0, price, np.inf)
+        answers = self._answers(held_path, left_price, numbers, [costs[n] for n in numbers])
+        return [
+            (number, one.path.looks)
+            for number, one in zip(numbers, answers, strict=True)
+            if one.path.looks
+        ]
 
     def _fewer(self, number: int, path: Path, worth: Worth, passes: Passes) -> Iterator[Path]:
         """A path that uses too much, without the looks that are worth least for their time."""
@@ -329,7 +320,8 @@ class _KeepingSearch(Search):
             if self._looking.group[worst.target] >= 0:
                 return
             fewer = self._with_only(number, [look.target for look in looks])
-            if self._first_unheld(fewer) is None and self._keeping.keeps(passes, number, fewer):
+            is_held = self._passes.first_unheld(fewer) is None
+            if is_held and self._keeping.keeps(passes, number, fewer):
                 self._proposed[number, fewer] = None
                 yield _unpaid(Path(value=0.0, looks=fewer), worth)
                 return

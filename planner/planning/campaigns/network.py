@@ -156,11 +156,21 @@ def relax(network: Network, ways: Ways, least_steps: Indices, slewing: Slewing) 
     return relaxed
 
 
-def without_look(network: Network, before: int | None, way: int, begin: int, end: int) -> Network:
-    """The same with no look on a way that begins from cell `begin` to `end` after another way.
+class Cut(NamedTuple):
+    """No look on a way begins from cell `begin` to `end` after another way.
 
-    before: that way, None of the first look.  Where no edge leads from there, after none.
+    before: that way, None of the first look.
     """
+
+    before: int | None
+    way: int
+    begin: int
+    end: int
+
+
+def without_look(network: Network, cut: Cut) -> Network:
+    """The same with a cut; where no edge leads from its way before, after none."""
+    before, way, begin, end = cut
     if before is not None:
         edges = slice(network.edge_from[before], network.edge_from[before + 1])
         leads_there = network.edge_to[edges] == way

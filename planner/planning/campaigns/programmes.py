@@ -12,7 +12,8 @@ from planner.base.arrays import Array
 from planner.planning.campaigns.path import Look
 
 if TYPE_CHECKING:
-    from planner.planning.campaigns.choice import ChoiceOptions, Looking
+    from planner.planning.campaigns.choice import ChoiceOptions
+    from planner.planning.campaigns.looking import Looking
 
 Proposal = tuple[int, tuple[Look, ...]]
 """A pass by its number, and observations it could have, in order of time."""

@@ -15,11 +15,11 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import ResourceRunsOut, figures
-from planner.planning.campaigns.choice import Networks
 from planner.planning.campaigns.chosen import KeptResource
 from planner.planning.campaigns.joined import Joined
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
+from planner.planning.campaigns.pricing import Networks
 from planner.planning.campaigns.programmes import Proposal
 from planner.planning.campaigns.revision import PassResources
 from planner.planning.campaigns.stores import CarrierStores, Curve, Room, Store
@@ -316,10 +316,10 @@ class Keeping:
 
     def priced(
         self, networks: Networks, rows: Sequence[RoomStretch], row_price: Array
-    ) -> tuple[list[Network], list[float], float]:
-        """The networks with what looks pay, what each pass with any look pays beside, and the worth
-        of all room."""
-        dear = [self.paying(n, networks[n], rows, row_price) for n in range(len(networks))]
+    ) -> tuple[list[Array], list[float], float]:
+        """What looks of each pass pay, what each with any look pays beside, and the worth of all
+        room."""
+        costs = [self.cost(n, networks[n], rows, row_price) for n in range(len(networks))]
         rents = [
             sum(
                 price * self._fixed(number, one)
@@ -327,12 +327,12 @@ class Keeping:
             )
             for number in range(len(networks))
         ]
-        return dear, rents, float(row_price @ [one.room_share for one in rows])
+        return costs, rents, float(row_price @ [one.room_share for one in rows])
 
-    def paying(
+    def cost(
         self, number: int, network: Network, rows: Sequence[RoomStretch], row_price: Array
-    ) -> Network:
-        """The network of a pass with what its looks pay."""
+    ) -> Array:
+        """What looks of a pass pay, as of `Network`."""
         steps = network.first_step + np.arange(network.stop_step + 1)
         t_s = self._grid_s + self._request.step_s * steps
         cost = np.zeros(len(t_s))
@@ -340,12 +340,12 @@ class Keeping:
             is_own = self._store_of[one.store] == self.carrier_of[number]
             if price > 0.0 and is_own and one.from_s < t_s[-1] and t_s[0] < one.to_s:
                 cost += price * np.clip(t_s - one.from_s, 0.0, one.to_s - one.from_s)
-        return network._replace(cost=cost)
+        return cost
 
-    def dear(self, network: Network, price_s: float) -> Network:
-        """A network whose looks pay for each second."""
+    def dear(self, network: Network, price_s: float) -> Array:
+        """What looks pay that pay for each second, too."""
         seconds = self._request.step_s * np.arange(network.stop_step + 1)
-        return network._replace(cost=np.asarray(price_s * seconds + _cost_of(network)))
+        return np.asarray(price_s * seconds + _cost_of(network))
 
     def turning_looks(self, passes: Sequence[tuple[Look, ...]]) -> list[tuple[int, Look]]:
         """Looks of passes by whose leave a momentum might keep its limit: those around the first
