@@ -5,9 +5,11 @@ Small satellites of examples/campaign_ten.json, their planes spread evenly, and 
 the children that the service has.  Times are on the clock.
 
     python bench/fleet.py [--carriers 10] [--targets 1000] [--workers 1] [--lose S] [--request FILE]
+                          [--scheduler ADDRESS]
 
 --workers: as many processors and children.  --lose: kills a child after so many seconds, which the
 answer must not show: its digest is printed.  --request: writes the request, for the service.
+--scheduler: address of a Dask scheduler, whose workers do the work.
 """
 
 import argparse
@@ -24,6 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.jobs.dask_executor import DaskExecutor
 from app.jobs.kinds import CAMPAIGN, CARRIERS
 from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import Stop, Task, run_here
@@ -43,6 +46,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--lose", type=float)
     parser.add_argument("--request", type=Path)
+    parser.add_argument("--scheduler")
     asked = parser.parse_args()
     body = json.dumps(fleet_request(asked.carriers, asked.targets)).encode()
     if asked.request is not None:
@@ -50,14 +54,15 @@ def main() -> None:
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: asked.workers])
     watch = Watch(asked.lose)
     places = Places(take=lambda: True, leave=lambda: None, most=asked.workers - 1)
-    sharing = Sharing(run_task=run_here, places=places, attempts=2)
+    run_task = DaskExecutor(asked.scheduler).run if asked.scheduler else run_here
+    sharing = Sharing(run_task=run_task, places=places, attempts=2)
     begins: dict[str, float] = {}
 
     def tell(progress: Progress) -> None:
         begins.setdefault(progress.stage, time.monotonic())
 
     task = Task(job_id="", bounds=CAMPAIGN.bounds, work=len, arguments=(body,))
-    run_here(task, Stop())  # their server is warm, as ever
+    run_task(task, Stop())  # their server is warm, as ever
     begun = time.monotonic()
     task = replace(task, work=CAMPAIGN.work, arguments=(body, read_campaign_request(body)))
     made = sharing.run(CARRIERS, task, Stop(), tell)

@@ -7,6 +7,7 @@ or the connection, is begun again; a result counts once, for the lease it was ma
 
 import asyncio
 import contextlib
+import os
 import secrets
 import signal
 import threading
@@ -36,6 +37,7 @@ from app.jobs.worker_process import (
 )
 from app.log.logs import log
 from app.versions import VERSION
+from app.work.cluster_prices import SLOT, WORKER_OF
 from app.work.progress import OnProgress, Progress
 from planner.base.errors import Refusal
 
@@ -45,8 +47,6 @@ _STOP_TRIES = 3
 _LOST = (CancelledError, ClosedClientError, CommClosedError, TimeoutError, OSError)
 
 PROGRESS_TOPIC = "slewtrack-progress"
-# A worker of another version never gets a task: its plans would say the wrong version.
-SLOT = f"slewtrack-{VERSION}"
 
 Outcome = tuple[bool, Any]
 _stops: dict[str, Stop] = {}
@@ -83,6 +83,7 @@ def work_for(scheduler: str, solves: int) -> None:
     import app.jobs.kinds
     import app.work.searches  # noqa: F401
 
+    os.environ[WORKER_OF] = scheduler
     start_server()
     with spare_children(solves):
         asyncio.run(_work_for(scheduler, solves))
@@ -117,7 +118,7 @@ class _Worker(Worker):
 async def _work_until_disconnected(scheduler: str, solves: int) -> None:
     worker = _Worker(
         scheduler,
-        nthreads=solves,
+        nthreads=solves + 1,  # which is free for prices, however many children are waited for
         resources={SLOT: solves},
         memory_limit=0,  # each child has its own
         host=get_local_address_for(scheduler),  # only on the cluster's network

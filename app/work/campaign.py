@@ -248,7 +248,8 @@ def choose(
 
     found: by `find_looks`, of every carrier or none; emptied.
     """
-    from planner.planning.campaigns import choose_what_is_asked
+    from app.work.cluster_prices import priced_by_workers
+    from planner.planning.campaigns import choose_what_is_asked, priced_here
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
@@ -256,7 +257,8 @@ def choose(
     if found:
         found.clear()  # memory holds it once
         gc.freeze()  # all of it stays: looking for garbage there took a second each time
-    requests, campaign = choose_what_is_asked(request, report, looks)
+    priced_by = priced_by_workers if looks else priced_here
+    requests, campaign = choose_what_is_asked(request, report, looks, priced_by)
     words = {"": document}
     asked = {target["id"]: target["target"] for target in document["targets"]}
     if isinstance(request, FleetRequest):

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from child_work import find_looks_once, find_once_hung, hang_once, let_go
 from dask import config
@@ -28,16 +29,29 @@ from app.jobs.dask_executor import SLOT, DaskExecutor
 from app.jobs.kinds import CAMPAIGN, RUNS
 from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped, Task
+from app.requests.campaign import read_campaign_request
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.work.campaign import carriers_apart, choose
+from app.work.cluster_prices import WORKER_OF, priced_by_workers
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress
 from planner.base.errors import InvalidInput
-from planner.planning.campaigns import fleet
+from planner.base.reporting import tell_nobody
+from planner.planning.campaigns import fleet, looks_of_carrier
+from planner.planning.campaigns.joined import joined_of
+from planner.planning.campaigns.network import Cut
+from planner.planning.campaigns.pricing import (
+    Asked,
+    Question,
+    free_path,
+    held_path,
+    most_at_best,
+)
 
 BIN = Path(sys.executable).parent
 HERE = Path(__file__).parent
+EXAMPLES = HERE.parents[1] / "examples"
 CANARY = "canarybody4711"
 THREADS = ThreadPoolExecutor(4)
 WITHIN_S = 200.0  # a loaded machine takes long to start a worker
@@ -203,7 +217,7 @@ def test_what_a_worker_was_at_is_done_by_another(
     job_file, search_file, looks_file = (folder / name for name in ("job", "search", "looks"))
     finding = partial(find_once_hung, os.fsencode(search_file))
     monkeypatch.setattr(search_routes, "find_windows", finding)
-    body = (HERE.parents[1] / "examples" / "campaign_fleet.json").read_bytes()
+    body = (EXAMPLES / "campaign_fleet.json").read_bytes()
     monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
     given = [b"%s\n%s" % (bytes(looks_file), one) for one in carriers_apart(body)]
     shares = replace(CAMPAIGN.shares, work=partial(find_looks_once, hang_once))
@@ -239,6 +253,45 @@ def test_what_a_worker_was_at_is_done_by_another(
     [*first], [*second] = ((logs / name).read_text().splitlines() for name in ("first", "second"))
     assert any('"logger": "distributed.worker"' in line for line in second)
     assert all(isinstance(json.loads(line), dict) for line in first[:-1] + second)
+
+
+def test_passes_of_a_fleet_are_priced_alike_by_workers_and_here(scheduler, logs, monkeypatch):
+    """One worker is killed: what it kept is priced here."""
+    request = read_campaign_request((EXAMPLES / "campaign_fleet.json").read_bytes())
+    looks = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
+    joined = joined_of({carrier: looks(one) for carrier, one in request.requests.items()})
+    price = np.linspace(0.0, 0.5, len(joined.candidates))
+    most = partial(most_at_best, labels_max=10_000, orders_max=10_000)
+    plain = [Asked(number) for number in range(len(joined.order))]
+    dear = [  # to look at all, and nothing by its first way
+        one._replace(
+            cuts=(Cut(None, 0, 0, int(network.last[0] - network.first[0])),),
+            cost=np.linspace(0.0, 0.1, network.stop_step + 1),
+        )
+        for one, network in zip(plain, joined.networks, strict=True)
+    ]
+    asked = [(free_path, plain), (held_path, plain), (held_path, dear), (most, plain)]
+    answers = [joined.priced_passes.answers(Question(put, price), own) for put, own in asked]
+    assert answers[1] != answers[2]
+    passes_here = []
+    price_here = joined.priced_passes.answers
+
+    def count(question, own):
+        passes_here.append(len(own))
+        return price_here(question, own)
+
+    monkeypatch.setattr(joined.priced_passes, "answers", count)
+    monkeypatch.setenv(WORKER_OF, scheduler)
+    with worker(scheduler, logs / "one") as one, worker(scheduler, logs / "other"):
+        with Client(scheduler) as client:
+            client.wait_for_workers(2, timeout=WITHIN_S)
+        with priced_by_workers(joined) as ask:
+            assert [ask(Question(put, price), own) for put, own in asked] == answers
+            assert passes_here == [0] * len(asked)
+            one.kill()
+            put, own = asked[2]
+            assert ask(Question(put, price), own[1:]) == answers[2][1:]
+    assert 0 < passes_here[-1] < len(own) - 1
 
 
 def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):

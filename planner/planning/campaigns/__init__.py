@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         choose_campaign,
         choose_together,
         choose_what_is_asked,
+        priced_here,
         requests_to_choose,
         scenario_of,
     )
@@ -28,6 +29,7 @@ else:
         choose_together="planner.planning.campaigns.campaign",
         choose_what_is_asked="planner.planning.campaigns.campaign",
         looks_of_carrier="planner.planning.campaigns.carrier_looks",
+        priced_here="planner.planning.campaigns.campaign",
         requests_to_choose="planner.planning.campaigns.campaign",
         scenario_of="planner.planning.campaigns.campaign",
     )
@@ -47,6 +49,7 @@ __all__ = [
     "choose_together",
     "choose_what_is_asked",
     "looks_of_carrier",
+    "priced_here",
     "requests_to_choose",
     "scenario_of",
 ]
