@@ -104,7 +104,8 @@ def choose_here(body: bytes) -> Result:
     from app.jobs.shares import Places, Sharing
     from app.jobs.worker_process import Stop, Task, run_here
     from app.requests.campaign import read_campaign_request
-    from app.work.campaign import carriers_apart, choose
+    from app.work.campaign import choose
+    from planner.planning.campaigns.apart import carriers_apart
 
     request = read_campaign_request(body)
     places = Places(take=lambda: True, leave=lambda: None, most=(os.cpu_count() or 1) - 1)
@@ -115,7 +116,7 @@ def choose_here(body: bytes) -> Result:
         report(progress.stage, progress.done, progress.of)
 
     made: list[bytes] = []
-    while given := carriers_apart(body, request, made):
+    while given := carriers_apart(request, made):
         made = sharing.make(CARRIERS, given, task, Stop(), tell)
     return choose(body, request, made)
 

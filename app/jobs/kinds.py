@@ -9,11 +9,12 @@ from typing import Any
 
 from app.jobs.child import Bounds
 from app.jobs.shares import Shares
-from app.work.campaign import carriers_apart, choose, find_looks, may_be_shared
+from app.work.campaign import choose, may_be_shared, split_by_carrier
 from app.work.flights import fly_part, prepare_flights
 from app.work.plan import plan_and_pack
 from app.work.result import Result
 from app.work.spacecraft import plan_and_pack_session
+from planner.planning.campaigns.apart import find_looks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +86,7 @@ SPACECRAFT_PLAN = JobKind(
 
 
 CARRIERS = Shares(
-    may_be=may_be_shared, split=carriers_apart, work=find_looks, stage="opportunities"
+    may_be=may_be_shared, split=split_by_carrier, work=find_looks, stage="opportunities"
 )
 CAMPAIGN = JobKind(
     name="campaign",

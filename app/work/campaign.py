@@ -3,14 +3,12 @@
 import gc
 import io
 import json
-import pickle
 import re
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.answers.job import JobResponse, job_out
@@ -26,15 +24,14 @@ from app.work.plan import plan_and_pack, stored_table_file
 from app.work.progress import report
 from app.work.result import Part, Result
 from planner.base.answer_members import Count, NotNegative, answer, member_names
-from planner.base.at_once import done_at_once
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import InvalidInput, Refusal
-from planner.base.reporting import tell_nobody
 from planner.output.export.geojson import geojson_of
 from planner.output.export.kml import kml_of
 from planner.output.export.map_features import MapFeature, PlanMap
 from planner.output.export.plan_map import target_features
 from planner.planning.campaigns import CampaignRequest, FleetRequest
+from planner.planning.campaigns.apart import carriers_apart, looks_found
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.campaigns.revision import PassResources
 from planner.planning.campaigns.told import CampaignChoiceOut, FleetChoiceOut, told_of
@@ -155,88 +152,13 @@ def may_be_shared(body: bytes) -> bool:
     return b'"carriers"' in body
 
 
-def carriers_apart(
+def split_by_carrier(
     body: bytes,
     request: CampaignRequest | FleetRequest | None = None,
     found: Sequence[bytes] = (),
 ) -> Sequence[bytes]:
-    """What each carrier is to find, packed; none where that is soon done, or all looks are found.
-
-    found: by `find_looks`, of what was to be found before.  A fleet that sees its targets often
-    finds first how well each carrier sees, and then the looks that are kept.
-    """
-    from planner.planning.campaigns import fewer_looks, looks_of_carrier, requests_to_choose
-
-    seen = dict(map(_unpacked, found[:1]))
-    if any(not isinstance(one, fewer_looks.SeenByCarrier) for one in seen.values()):
-        return ()
-    request = request or read_campaign_request(body)
-    if not isinstance(request, FleetRequest) or not request.is_large:
-        return ()
-    requests = requests_to_choose(request)
-    if len(requests) < 2:
-        return ()
-    if not seen:
-        is_often = fewer_looks.sees_often(requests)
-        all_looks = partial(looks_of_carrier, tell=tell_nobody, modes_by_pass=True)
-        find = fewer_looks.seen_by_carrier if is_often else all_looks
-        return _shares(find, requests, [()] * len(requests))
-    seen |= map(_unpacked, found[1:])
-    kept = fewer_looks.looks_to_keep([one.views for one in seen.values()])
-    own = zip((one.packed_windows for one in seen.values()), kept, strict=True)
-    return _shares(fewer_looks.kept_of_carrier, {one: requests[one] for one in seen}, own)
-
-
-class _Packer(pickle.Pickler):
-    """Of a share; the targets, which carriers have in common, are packed by themselves."""
-
-    def __init__(self, file: io.BytesIO, common: Sequence[object]) -> None:
-        super().__init__(file)
-        self._common = {id(one): number for number, one in enumerate(common)}
-
-    def persistent_id(self, obj: object) -> int | None:
-        return self._common.get(id(obj))
-
-
-class _Unpacker(pickle.Unpickler):
-    """Of what `_Packer` packed."""
-
-    def __init__(self, packed: bytes, common: bytes) -> None:
-        super().__init__(io.BytesIO(packed))
-        self._common = pickle.loads(common)  # noqa: S301 (our own)
-
-    def persistent_load(self, pid: int) -> object:
-        return self._common[pid]
-
-
-def _shares(
-    find: Callable[..., object],
-    requests: Mapping[str, CampaignRequest],
-    more: Iterable[tuple[object, ...]],
-) -> list[bytes]:
-    """What `find_looks` is to find of each carrier: of its request and more."""
-    shares = []
-    packed: dict[tuple[int, ...], bytes] = {}
-    for (carrier, request), others in zip(requests.items(), more, strict=True):
-        common = request.targets, request.opportunities().targets
-        same = tuple(map(id, request.targets))
-        if same not in packed:
-            packed[same] = pickle.dumps(common)
-        own = io.BytesIO()
-        _Packer(own, common).dump((carrier, find, (request, *others)))
-        shares.append(pickle.dumps((own.getvalue(), packed[same])))
-    return shares
-
-
-def find_looks(packed: bytes) -> bytes:
-    """Of one carrier, by `carriers_apart`; raises a Refusal."""
-    carrier, find, arguments = _Unpacker(*pickle.loads(packed)).load()  # noqa: S301 (our own)
-    return zlib.compress(pickle.dumps((carrier, find(*arguments))), 1)
-
-
-def _unpacked(found: bytes) -> tuple[str, Any]:
-    told: tuple[str, Any] = pickle.loads(zlib.decompress(found))  # noqa: S301 (our own)
-    return told
+    """What each carrier is to find, as `carriers_apart`."""
+    return carriers_apart(request or read_campaign_request(body), found)
 
 
 def choose(
@@ -253,7 +175,7 @@ def choose(
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    looks = dict(done_at_once(_unpacked, found or ()))
+    looks = looks_found(found or ())
     if found:
         found.clear()  # memory holds it once
         gc.freeze()  # all of it stays: looking for garbage there took a second each time

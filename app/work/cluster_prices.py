@@ -3,11 +3,11 @@
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import TYPE_CHECKING
 
 from app.versions import VERSION
-from planner.planning.campaigns.joined import Joined
+from planner.planning.campaigns.joined import Joined, Part
 from planner.planning.campaigns.pricing import Answer, Ask, Asked, PricedPasses, Question
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _LOST = (CancelledError, OSError, TimeoutError)
 
 @contextmanager
 def priced_by_workers(joined: Joined) -> Iterator[Ask]:
-    """By all workers in a child of one of several; else, or where they are lost, by this process,
+    """By all workers, in a child of one of several; else, or where they are lost, by this process,
     which answers the same."""
     with _connected() as client:
         yield joined.priced_passes.answers if client is None else _Workers(client, joined).answers
@@ -34,10 +34,9 @@ def _connected() -> "AbstractContextManager[Client | None]":
         return nullcontext()
     from distributed import Client
 
-    try:
+    with suppress(*_LOST):
         return Client(scheduler, timeout=_CONNECT_S, set_as_default=False, name="slewtrack")
-    except _LOST:  # what this process answers is the same
-        return nullcontext()
+    return nullcontext()
 
 
 class _Workers:
@@ -51,32 +50,24 @@ class _Workers:
         carriers, self._parts = range(len(joined.carriers)), []
         for first, address in enumerate(addresses):
             part = joined.part(carriers[first :: len(addresses)])
-            [there] = client.scatter([part], workers=[address], direct=True, hash=False)
-            passes = client.submit(type(part).priced_passes, there, workers=[address], pure=False)
-            self._parts.append((address, part.numbers, there, passes))
+            [sent] = client.scatter([part], workers=[address], direct=True, hash=False)
+            passes = client.submit(Part.priced_passes, sent, workers=[address], pure=False)
+            self._parts.append((address, part, sent, passes))
 
     def answers(self, question: Question, asked: Sequence[Asked]) -> Sequence[Answer]:
         """An `Ask`."""
-        wanted = {one.number: one for one in asked}
         tasks = []
-        for part in self._parts:
-            address, numbers, _, passes = part
-            own = [
-                wanted[number]._replace(number=place)
-                for place, number in enumerate(numbers)
-                if number in wanted
-            ]
-            task = self._client.submit(
-                PricedPasses.answers, passes, question, own, workers=[address], pure=False
-            )
-            tasks.append((part, [number for number in numbers if number in wanted], task))
+        for place in self._parts:
+            address, part, _, passes = place
+            own, put = part.own(asked), PricedPasses.answers
+            there = self._client.submit(put, passes, question, own, workers=[address], pure=False)
+            tasks.append((place, own, there))
         found: dict[int, Answer] = {}
-        for part, own_numbers, task in tasks:
+        for place, own, there in tasks:
             try:
-                found |= zip(own_numbers, task.result(), strict=True)
+                found |= zip([one.number for one in own], there.result(), strict=True)
             except _LOST:
-                self._parts.remove(part)  # priced here from now on
+                self._parts.remove(place)  # priced here from now on
         rest = [one for one in asked if one.number not in found]
-        here = self._here.answers(question, rest)
-        found |= zip([one.number for one in rest], here, strict=True)
+        found |= zip([one.number for one in rest], self._here.answers(question, rest), strict=True)
         return [found[one.number] for one in asked]

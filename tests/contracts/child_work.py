@@ -89,7 +89,7 @@ def find_looks_once(lose: Callable[[bytes], Result], given: bytes) -> bytes:
     """Of a carrier, but for the first who is asked; given: a file's name before what is to do."""
     file, _, packed = given.partition(b"\n")
     lose(file)
-    from app.work.campaign import find_looks  # which the others don't have
+    from planner.planning.campaigns.apart import find_looks  # which the others don't have
 
     return find_looks(packed)
 

@@ -18,10 +18,11 @@ from app.jobs.worker_process import ChildDied, Stop, Stopped, Task, run_here
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, results
 from app.store.packed import unzip
-from app.work.campaign import campaign_json, carriers_apart, choose, find_looks, without_refused
+from app.work.campaign import campaign_json, choose, split_by_carrier, without_refused
 from app.work.plan import plan_and_pack
 from planner.base.errors import InvalidInput, Unreachable
 from planner.planning.campaigns import fleet
+from planner.planning.campaigns.apart import find_looks
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
 
@@ -53,11 +54,11 @@ def chosen_at_once():
 def test_looks_found_apart_make_the_same_choice_though_a_child_dies(
     chosen_at_once, monkeypatch, tmp_path, beside
 ):
-    assert not carriers_apart(FLEET)  # too few targets to be worth it
+    assert not split_by_carrier(FLEET)  # too few targets to be worth it
     monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
-    assert not carriers_apart(BODY)
+    assert not split_by_carrier(BODY)
     notes, told = Notes(tmp_path / "notes"), []
-    given = [b"%s\n%s" % (bytes(notes.file), one) for one in carriers_apart(FLEET)]
+    given = [b"%s\n%s" % (bytes(notes.file), one) for one in split_by_carrier(FLEET)]
     shares = replace(CAMPAIGN.shares, work=partial(find_looks_once, die_once))
     places = Places(take=lambda: True, leave=lambda: None, most=beside)
     sharing = Sharing(run_task=run_here, places=places, attempts=2)
@@ -74,7 +75,7 @@ def test_a_fleet_that_sees_its_targets_often_keeps_some_looks_and_bounds_all(
     often = replace(fleet.BOUNDS, large_target_days=0.0, kept_looks=1)
     monkeypatch.setattr(fleet, "BOUNDS", often)
     rounds, made = 0, ()
-    while given := carriers_apart(FLEET, None, made):
+    while given := split_by_carrier(FLEET, None, made):
         rounds, made = rounds + 1, [find_looks(one) for one in given]
     assert rounds == 2
     chosen = choose(FLEET, None, made)

@@ -31,7 +31,7 @@ from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped, Task
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
-from app.work.campaign import carriers_apart, choose
+from app.work.campaign import choose, split_by_carrier
 from app.work.cluster_prices import WORKER_OF, priced_by_workers
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack
@@ -219,7 +219,7 @@ def test_what_a_worker_was_at_is_done_by_another(
     monkeypatch.setattr(search_routes, "find_windows", finding)
     body = (EXAMPLES / "campaign_fleet.json").read_bytes()
     monkeypatch.setattr(fleet, "BOUNDS", replace(fleet.BOUNDS, large_target_days=0.0))
-    given = [b"%s\n%s" % (bytes(looks_file), one) for one in carriers_apart(body)]
+    given = [b"%s\n%s" % (bytes(looks_file), one) for one in split_by_carrier(body)]
     shares = replace(CAMPAIGN.shares, work=partial(find_looks_once, hang_once))
     places = Places(take=lambda: True, leave=lambda: None, most=0)
     sharing = Sharing(run_task=executor.run, places=places, attempts=1)
@@ -268,7 +268,7 @@ def test_passes_of_a_fleet_are_priced_alike_by_workers_and_here(scheduler, logs,
             cuts=(Cut(None, 0, 0, int(network.last[0] - network.first[0])),),
             cost=np.linspace(0.0, 0.1, network.stop_step + 1),
         )
-        for one, network in zip(plain, joined.networks, strict=True)
+        for one, network in zip(plain, joined.networks.values(), strict=True)
     ]
     asked = [(free_path, plain), (held_path, plain), (held_path, dear), (most, plain)]
     answers = [joined.priced_passes.answers(Question(put, price), own) for put, own in asked]

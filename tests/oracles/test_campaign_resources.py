@@ -68,7 +68,7 @@ def chosen(monkeypatch, request):
 
     def keeping(*given, **named):
         kept["keeping"], passes, *_ = given
-        kept["networks"], kept["looking"] = passes.networks, passes.looking
+        kept["networks"], kept["looking"] = [*passes.networks.values()], passes.looking
         return found(*given, **named)
 
     def exchanging(*given):

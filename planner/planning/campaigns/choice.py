@@ -149,8 +149,8 @@ def choices_with_group(
         search.best = chosen
         found += [
             search.whole_groups(search.with_group(members, first))
-            for first, network in enumerate(passes.networks)
-            if np.isin(network.target, members).any()
+            for first in range(len(passes.networks))
+            if np.isin(passes.networks[first].target, members).any()
         ]
     return sorted(found, key=worth_of, reverse=True)
 
@@ -173,8 +173,8 @@ class Search:
         self, passes: PricedPasses, options: ChoiceOptions, ask: Ask | None = None
     ) -> None:
         self._passes, self._ask = passes, ask or passes.answers
-        self._networks, self._looking = passes.networks, passes.looking
-        looking = self._looking
+        self._networks = [passes.networks[n] for n in range(len(passes.networks))]
+        self._looking = looking = passes.looking
         self._options = options
         self._cuts: list[tuple[Cut, ...]] = [()] * len(self._networks)
         self.best: Passes = [()] * len(self._networks)
@@ -666,5 +666,5 @@ def bound_at(
     priced = looking.beside(price) + room_value
     answers = (ask or passes.answers)(Question(most, price), asked)
     for answer, rent in zip(answers, rent_costs or [0.0] * count, strict=True):
-        priced += max(answer.most - rent, 0.0)
+        priced += max(answer.most_value - rent, 0.0)
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

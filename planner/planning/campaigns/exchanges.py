@@ -50,7 +50,7 @@ def _nearest_looks(
     """The look that each target without one came nearest to, and a better choice with it, where
     there is one."""
     candidates, looking = joined.candidates, passes.looking
-    networks, group = joined.networks, looking.group
+    networks, group = joined.networks.values(), looking.group
     chosen = [look for looks in choice.passes for look in looks]
     looked_at = {candidates[look.target].wanted.id for look in chosen}
     grouped: dict[int, list[Look]] = {}

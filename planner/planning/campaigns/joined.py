@@ -13,7 +13,7 @@ from planner.planning.campaigns.carrier_looks import CarrierLooks
 from planner.planning.campaigns.looking import FirstUnheld, Looking
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
-from planner.planning.campaigns.pricing import PricedPasses
+from planner.planning.campaigns.pricing import Asked, PricedPasses
 from planner.planning.campaigns.request import BOUNDS, CampaignRequest
 
 
@@ -23,14 +23,14 @@ class Joined:
 
     candidates: targets that are no modes, each once, then the scans of every carrier.  numbers:
     of each carrier's candidates among these.  first_way: of each carrier's ways among all.
-    order: networks by carrier and its number there, in order of time.
+    order: of each network by its number, in order of time, the carrier and the number there.
     """
 
     carriers: Mapping[str, CarrierLooks]
     candidates: tuple[LookCandidate, ...]
     numbers: tuple[Indices, ...]
     first_way: Indices
-    order: tuple[tuple[int, int], ...]
+    order: Mapping[int, tuple[int, int]]
 
     @cached_property
     def looks_by_carrier(self) -> tuple[CarrierLooks, ...]:
@@ -43,9 +43,12 @@ class Joined:
         return tuple(dict.fromkeys(one.id for one in wanted))
 
     @cached_property
-    def networks(self) -> list[Network]:
+    def networks(self) -> Mapping[int, Network]:
         """Of all passes, by `order`."""
-        return [self.numbered(*one, lambda looks, n: looks.networks[n]) for one in self.order]
+        return {
+            number: self.numbered(*one, lambda looks, n: looks.networks[n])
+            for number, one in self.order.items()
+        }
 
     def numbered(
         self, carrier: int, number: int, made: Callable[[CarrierLooks, int], Network]
@@ -58,7 +61,7 @@ class Joined:
     @cached_property
     def seen(self) -> frozenset[int]:
         """Candidates that somebody can look at."""
-        return frozenset(target for one in self.networks for target in one.target.tolist())
+        return frozenset(target for one in self.networks.values() for target in one.target.tolist())
 
     def looks_at(self, network: int) -> CarrierLooks:
         """Of the carrier whose pass it is."""
@@ -127,7 +130,8 @@ class Joined:
             way_to=np.array(way_to, np.intp),
             way_limit=np.array(way_limit),
             settle_steps=np.array(
-                [self.looks_by_carrier[carrier].settle_steps for carrier, _ in self.order], np.intp
+                [self.looks_by_carrier[carrier].settle_steps for carrier, _ in self.order.values()],
+                np.intp,
             ),
             held_steps=held_steps,
             spare_value=look_value.max(axis=1, initial=0.0) * spare_quality,
@@ -156,18 +160,17 @@ class Joined:
         """Of some carriers, by their places in order."""
         names = tuple(self.carriers)
         place = {carrier: n for n, carrier in enumerate(carriers)}
-        numbers = [n for n, (carrier, _) in enumerate(self.order) if carrier in place]
-        looking = self.priced_passes.looking
         return Part(
-            numbers=numbers,
             joined=Joined(
                 carriers={names[one]: self.looks_by_carrier[one] for one in carriers},
                 candidates=(),  # what they are worth is told by `looking`
                 numbers=tuple(self.numbers[one] for one in carriers),
                 first_way=self.first_way[list(carriers)],
-                order=tuple((place[one], own) for one, own in self.order if one in place),
+                order={
+                    n: (place[one], own) for n, (one, own) in self.order.items() if one in place
+                },
             ),
-            looking=replace(looking, settle_steps=looking.settle_steps[numbers]),
+            looking=self.priced_passes.looking,
             requests={names[one]: self.looks_by_carrier[one].request for one in carriers},
         )
 
@@ -192,15 +195,18 @@ def _priced(joined: Joined, looking: Looking) -> PricedPasses:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
-    """Passes of some carriers, to be priced where pickle takes them; numbers: theirs among all."""
+    """Passes of some carriers, to be priced where pickle takes them."""
 
-    numbers: Sequence[int]
     joined: Joined
     looking: Looking
     requests: Mapping[str, CampaignRequest]
 
+    def own(self, asked: Iterable[Asked]) -> list[Asked]:
+        """Those of its passes."""
+        return [one for one in asked if one.number in self.joined.order]
+
     def priced_passes(self) -> PricedPasses:
-        """By their places in `numbers`."""
+        """By their numbers among all."""
         for carrier, looks in self.joined.carriers.items():
             looks.completed(self.requests[carrier])
         return _priced(self.joined, self.looking)
@@ -235,7 +241,7 @@ def joined_of(carriers: Mapping[str, CarrierLooks]) -> Joined:
         candidates=tuple(candidates),
         numbers=tuple(numbers),
         first_way=np.cumsum([0, *counts[:-1]]),
-        order=tuple((carrier, number) for _, carrier, number in sorted(passes)),
+        order=dict(enumerate((carrier, number) for _, carrier, number in sorted(passes))),
     )
 
 

@@ -1,4 +1,4 @@
-"""What passes would take at prices of looks, asked of many at a time, here or elsewhere."""
+"""Passes priced, many at a time, here or elsewhere: what each would take at prices of looks."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
@@ -32,7 +32,7 @@ class Answer(NamedTuple):
     """Of a pass: what none of its paths gains more than, the best one known, and what can't be
     held, with all that was found out meanwhile."""
 
-    most: float
+    most_value: float
     path: Path
     cuts: tuple[Cut, ...]
 
@@ -63,7 +63,7 @@ class PricedPasses:
 
     def __init__(
         self,
-        networks: Sequence[Network],
+        networks: Networks,
         relaxed: Networks,
         looking: Looking,
         first_unheld: FirstUnheld,
@@ -133,7 +133,7 @@ def bounded_held_path(passes: PricedPasses, asked: Asked, worth: Worth, labels_m
     most, path = bounded_path(passes.networks[asked.number], settled, labels_max)
     if passes.first_unheld(path.looks) is None:
         return Answer(most, path, asked.cuts)
-    return held_path(passes, asked, worth)._replace(most=most)
+    return held_path(passes, asked, worth)._replace(most_value=most)
 
 
 def most_at_best(

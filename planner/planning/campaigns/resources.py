@@ -94,7 +94,7 @@ class Keeping:
             store for carrier in self.carriers for store in carrier.stores
         )
         self._store_of = [n for n, count in enumerate(counts) for _ in range(count)]
-        self.carrier_of = [carrier for carrier, _ in joined.order]
+        self.carrier_of = [carrier for carrier, _ in joined.order.values()]
         self.passes_of = tuple(
             tuple(n for n, of in enumerate(self.carrier_of) if of == carrier)
             for carrier in range(len(self.carriers))
@@ -103,7 +103,7 @@ class Keeping:
             self.carriers[carrier].most_span_s(
                 network.first_step, network.first_step + network.stop_step
             )
-            for carrier, network in zip(self.carrier_of, joined.networks, strict=True)
+            for carrier, network in zip(self.carrier_of, joined.networks.values(), strict=True)
         ]
         self._curves: dict[Proposal, tuple[Curve, ...]] = {}
         self._turned: dict[Proposal, Turned] = {}
