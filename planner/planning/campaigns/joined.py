@@ -154,7 +154,8 @@ class Joined:
         unseen = [n for n in range(len(self.candidates)) if n not in self.seen]
         is_hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
         value: Array = looking.look_value * is_hopeful[:, None]
-        return _priced(self, replace(looking, look_value=value))
+        worths = replace(looking, look_value=value)
+        return PricedPasses(self.networks, Relaxed(self), worths, self.first_unheld)
 
     def part(self, carriers: Sequence[int]) -> "Part":
         """Of some carriers, by their places in order."""
@@ -189,10 +190,6 @@ class Relaxed:
         return self._joined.numbered(*self._joined.order[number], CarrierLooks.relaxed)
 
 
-def _priced(joined: Joined, looking: Looking) -> PricedPasses:
-    return PricedPasses(joined.networks, Relaxed(joined), looking, joined.first_unheld)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
     """Passes of some carriers, to be priced where pickle takes them."""
@@ -206,10 +203,13 @@ class Part:
         return [one for one in asked if one.number in self.joined.order]
 
     def priced_passes(self) -> PricedPasses:
-        """By their numbers among all."""
-        for carrier, looks in self.joined.carriers.items():
+        """By their numbers among all; nothing here holds them, so that they go when they are done
+        with."""
+        joined = self.joined
+        for carrier, looks in joined.carriers.items():
             looks.completed(self.requests[carrier])
-        return _priced(self.joined, self.looking)
+        first_unheld = cache(joined._first_unheld)
+        return PricedPasses(joined.networks, Relaxed(joined), self.looking, first_unheld)
 
 
 def joined_of(carriers: Mapping[str, CarrierLooks]) -> Joined:
