@@ -432,9 +432,9 @@ def solve(case: Case, tell: Callable[[str], None]) -> Solution:
     tell(f"{len(passes)} passes, {sum(len(one.network.way) for one in passes)} times in view")
     checker = Checker(case, passes)
     networks = [one.network for one in passes]
-    passes = PricedPasses(networks, networks, looking, checker.first_unheld)
-    choice = choose(passes, tell_nobody, FLEET)
-    bound = bound_at(passes, choice.price, FLEET)
+    priced = PricedPasses(networks, networks, looking, checker.first_unheld)
+    choice = choose(priced, tell_nobody, FLEET)
+    bound = bound_at(priced, choice.price, FLEET)
     tell(f"chosen: {choice.value:g} of at most {bound:.1f}, greedy {choice.greedy_value:g}")
     unspared = list(choice.passes)
     return Solution(
