@@ -2,8 +2,9 @@
 
 The constants of planner/world/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
 and 2024-25 (docs/decisions/orbit_growth.md), reboosts on those of 2017 and 2024-25, those near the
-epoch on ephemerides of 2021 to 2025, and what is wrong past planned burns on the eight of these
-that tell it.  Of elements April to June 2017 are tried apart, 1 % of those of the growth.
+epoch on ephemerides of 2021 to 2025, unplanned burns on 23 of these, and what is wrong past planned
+burns on the eight of these that tell it.  Of elements April to June 2017 are tried apart, 1 % of
+those of the growth.
 
 Element sets against later ones of the same satellite share near their epoch what is wrong with
 SGP4: the growth alone is seen, plus the noise of both fits.
@@ -98,11 +99,11 @@ def growth_rows(archive: Path) -> Iterator[Row]:
     """Along the track, where the elements' own error at the epoch is small against the growth."""
     found = pairs(list(read_tles(archive)))
     for age, all_of in found.items():
-        weeks = len({pair.day // WEEK_DAYS for pair in all_of})
+        weeks = np.array([int(pair.day // WEEK_DAYS) for pair in all_of])
         for share in TOLD_SHARES:
-            kept = np.mean([pair.within(share) for pair in all_of])
+            kept = np.array([pair.within(share) for pair in all_of], dtype=float)
             what = f"TLE against a later one, reboosts included, along, {age:g} d"
-            yield share_row(what, share, float(kept), weeks, SHARE_GOAL)
+            yield share_row(what, share, kept, weeks, SHARE_GOAL)
         held_out = [pair for pair in all_of if pair.day >= HELD_OUT_DAY and not pair.reboosted]
         day, sigmas = np.array([(pair.day, pair.sigmas) for pair in held_out]).T
         week = day // WEEK_DAYS
