@@ -51,14 +51,14 @@ def nees_row(
 
 
 def share_row(
-    what: str, told: float, kept: NDArray[np.floating], weeks: NDArray[np.integer], goal: float
+    what: str, told: float, kept: NDArray[np.floating], of_set: NDArray[np.integer], goal: float
 ) -> Row:
-    """A told probability beside the share that was kept, of cases, (n,), and the week of each.
+    """A told probability beside the share that was kept, of cases, (n,), and the set of each.
 
-    Cases of a week share tracking, air and burns: they are one, and uneven weeks as many as Kish's
-    effective size says (Survey Sampling, 1965, section 11.7).
+    Cases of a set are one; uneven sets are as many as Kish's effective size says (Survey Sampling,
+    1965, section 11.7).
     """
-    _, cases = np.unique(weeks, return_counts=True)
+    _, cases = np.unique(of_set, return_counts=True)
     sets = cases.sum() ** 2 / np.sum(cases**2)
     by_number = np.sqrt(told * (1.0 - told) / sets)
     power = 1.0 - 2.0 * norm.sf(goal / by_number)

@@ -134,7 +134,7 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> Or
         cross_m=np.hypot(450.0, 155.0 * days),
         basis=MEASURED_TLE,
         better="younger elements, or an ephemeris (OEM)",
-        along=_usual_or_burnt(along_m, reboost),
+        along=_along_mixture(along_m, reboost),
     )
 
 
@@ -161,7 +161,7 @@ def _burn_since(age_s: float, a_day: float, rms_m_s: float) -> UnforeseenBurn:
     return UnforeseenBurn(-math.expm1(-a_day * age_s / DAY_S), 3.0 * rms_m_s * age_s)
 
 
-def _usual_or_burnt(along_m: Array, burn: UnforeseenBurn) -> NormalMixture:
+def _along_mixture(along_m: Array, burn: UnforeseenBurn) -> NormalMixture:
     return NormalMixture(
         (*((1.0 - burn.share) * part for part in USUAL.shares), burn.share),
         (*USUAL.sigma_ratios, math.hypot(1.0, burn.along_m / float(np.mean(along_m)))),
@@ -201,7 +201,7 @@ def oem_sigma(
         cross_m=np.hypot(40.0, 8e-4 * np.sqrt(along_m2)),  # the node turns at another rate
         basis=MEASURED_OEM,
         better="a younger ephemeris",
-        along=_usual_or_burnt(along_m, unplanned),
+        along=_along_mixture(along_m, unplanned),
     )
 
 
