@@ -51,12 +51,9 @@ NEAR_EPOCH_DAYS = 0.04
 OEM_AGE_MIN_DAYS = 1.5  # where it is worse than the elements it is tried on
 OEM_YOUNG_DAYS = 0.3  # as truth for an older one
 BURN_MOVED_S = 3600.0  # a burn moved by more is another
-LOST_SIGMA = 3.0
-ORBIT_DAYS = 5560.0 / DAY_S
 HELD_OUT_DAY = 90.0  # of the archive
 TOLD_SHARES = (0.5, 0.9)
 SHARE_GOAL = 0.05
-BURN_GOAL = (0.5, 2.0)
 
 BURN_STEP_S = 60.0  # nodes crowd where an engine burns
 STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
@@ -73,7 +70,6 @@ def rows(data: Path) -> Iterator[Row]:
     for which, few in (("held out", held_out), ("all", list(read.values()))):
         yield from _tle_rows(tles, few, which)
     yield from _oem_rows(tles, list(read.values()))
-    yield from burn_rows(list(read.values()))
     yield from growth_rows(data / "tle" / ARCHIVE)
     yield from _state_rows(list(read.values()))
 
@@ -111,36 +107,6 @@ def growth_rows(archive: Path) -> Iterator[Row]:
         of = f"of {len(held_out)} pairs"
         yield nees_row(f"TLE against a later one, no reboost, along, {age:g} d", by_week, of,
                        USUAL)  # fmt: skip
-
-
-def burn_rows(oems: list[OemOrbit]) -> Iterator[Row]:
-    """Ephemerides past burns that they planned, against those made after them."""
-    by_oem = [cases for oem in oems if (cases := _past_burns(oem, oems))]
-    if by_oem:
-        squares = [np.array(cases) for cases in by_oem]
-        of = f"of {sum(map(len, by_oem))} cases"
-        for k, axis in enumerate(AXES):
-            sets = [cases[:, k : k + 1] for cases in squares]
-            yield nees_row(f"OEM past a planned burn, {axis}", sets, of, goal=BURN_GOAL)
-
-
-def _past_burns(oem: OemOrbit, oems: list[OemOrbit]) -> list[np.ndarray]:
-    """Squares of errors over told sigmas; none where it was lost before, by a burn it knew not."""
-    cases = []
-    for truth in (one for one in oems if created(one) > created(oem)):
-        segment = truth.message.segments[0]
-        for from_utc in (segment.epoch_utc, created(truth)):
-            found_m = differences(truth, oem, from_utc, 0.5 * ORBIT_DAYS)
-            if not len(found_m):
-                continue
-            ephemeris = oem.ephemeris(from_utc, shifted_utc(from_utc, ORBIT_DAYS * DAY_S))
-            told_m = _axes_m(ephemeris.sigma(Instants(from_utc, np.array([2780.0]))))[0]
-            squares = np.mean(found_m**2, axis=0) / told_m**2
-            if ephemeris.burns and elapsed_s(ephemeris.burns[0].ignition_utc, from_utc) < 0.0:
-                cases.append(squares)
-            elif squares[1] > LOST_SIGMA**2:
-                return []
-    return cases
 
 
 def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit]) -> Iterator[Row]:

@@ -26,20 +26,14 @@ class Row(NamedTuple):
     is_met: bool | None
 
 
-def nees_row(
-    what: str,
-    sets: Sequence[np.ndarray],
-    of: str,
-    spread: float = GAUSS,
-    goal: tuple[float, float] = NEES_GOAL,
-) -> Row:
+def nees_row(what: str, sets: Sequence[np.ndarray], of: str, spread: float = GAUSS) -> Row:
     """NEES of each of m axes, of (k, m) squares of errors over their told sigma, in sets that are
     independent: one satellite's elements, a stretch of telemetry.
 
     The sampling error is that of a law that tells the truth, one error a set.
     """
     nees = np.mean(np.concatenate(sets), axis=0)
-    low, high = goal
+    low, high = NEES_GOAL
     by_number = np.sqrt(spread / len(sets))
     freedom = len(sets) * GAUSS / spread
     power = chi2.cdf(high * freedom, freedom) - chi2.cdf(low * freedom, freedom)

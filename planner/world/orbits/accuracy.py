@@ -18,8 +18,8 @@ MEASURED_TLE = (
 )
 MEASURED_OEM = (
     "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each, and past planned "
-    "burns (bench/truth.py); 20, 50, 40 m at its creation assumed; unplanned burns since, one in "
-    "25 days as the ISS's, count in the probability, not in sigma"
+    "burns (docs/decisions/orbit_growth.md); 20, 50, 40 m at its creation assumed; unplanned burns "
+    "since, one in 25 days as the ISS's, count in the probability, not in sigma"
 )
 ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
