@@ -1,10 +1,10 @@
-"""Slews of a whole body: solved, beside another transcription's least time, around cones, in plans.
+"""Slews of a whole body: solved, beside another transcription's least time, and in plans.
 
 Random envelopes of 0.5 to 4 deg/s, turns of 5 to 120 deg between rests and between ground points
 that are tracked, limits of magnitudes and by axis: the tests' families.  Then plans of one or two
 of the tutorial's cities by random platforms: none may fail by our fault.
 
-    python bench/body_slew.py [--slews 6] [--beside 2] [--cones 6] [--plans 20] [--seed 2024]
+    python bench/body_slew.py [--slews 6] [--beside 2] [--plans 20] [--seed 2024]
 
 --slews, --beside: of each family, and how many of these are held against the reference.
 """
@@ -23,7 +23,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "oracles"))
-from body_slew_cases import FAMILIES, draw, draw_cone
+from body_slew_cases import FAMILIES, draw
 from body_slew_reference import reference_least_s
 
 from app.requests.plan import read_plan_request
@@ -36,7 +36,6 @@ from planner.planning.sessions.pipeline import make_plan
 
 LONGER = 1.02  # of the reference's time, the aim
 SMOOTH_LONGER = 1.2  # times as long as the quickest a smooth slew is asked for
-CONE_FACTORS = (1.3, 1.8, 2.5)  # times as long as without the cone, until one is found
 THREE_CITIES = Path(__file__).parents[1] / "examples" / "three_sessions.json"
 LIMIT_S = 10.0  # of a processor: what a plan or refusal may take
 
@@ -82,28 +81,6 @@ def print_family(
         + (f"; beside the reference {max(ratios):.4f} at most of {len(ratios)}" if ratios else "")
     )
     return failed, max(ratios, default=1.0)
-
-
-def print_cones(rng: np.random.Generator, count: int) -> None:
-    found, cpu, tried = 0, [], 0
-    while tried < count:
-        problem = draw(rng, FAMILIES[tried % len(FAMILIES)])
-        free, _ = solved(replace(problem, objective="minimum_time"))
-        if free is None or problem.last_arrival_row < CONE_FACTORS[0] * len(free.motion.position):
-            continue
-        rows = problem.last_arrival_row + 1
-        cone = draw_cone(rng, free.motion.position, rows)
-        if cone is None:
-            continue
-        tried += 1
-        for factor in CONE_FACTORS:
-            row = min(round(factor * free.duration_s * ROWS_PER_S), problem.last_arrival_row)
-            around, cpu_s = solved(replace(problem, cones=(cone,)).arriving_at(row))
-            if around is not None:
-                found += 1
-                cpu.append(cpu_s)
-                break
-    print(f"around cones: {found} of {tried} smooth slews found, {np.median(cpu):.2f} s each")
 
 
 def random_request(rng: random.Random) -> dict[str, Any]:
@@ -184,7 +161,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--slews", type=int, default=6)
     parser.add_argument("--beside", type=int, default=2)
-    parser.add_argument("--cones", type=int, default=6)
     parser.add_argument("--plans", type=int, default=20)
     parser.add_argument("--seed", type=int, default=2024)
     asked = parser.parse_args()
@@ -193,8 +169,6 @@ if __name__ == "__main__":
         for family in FAMILIES
         if asked.slews
     ]
-    if asked.cones:
-        print_cones(np.random.default_rng(asked.seed), asked.cones)
     unsolved = sum(failed for failed, _ in results)
     longest = max((ratio for _, ratio in results), default=1.0)
     failed_plans = print_plans(asked.seed, asked.plans)

@@ -2,8 +2,9 @@
 
 The constants of planner/world/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
 and 2024-25 (docs/decisions/orbit_growth.md), reboosts on those of 2017 and 2024-25, those near the
-epoch on ephemerides of 2021 to 2025, and what is wrong past planned burns on the eight of these
-that tell it.  Of elements April to June 2017 are tried apart, 1 % of those of the growth.
+epoch on ephemerides of 2021 to 2025, unplanned burns on 23 of these, and what is wrong past planned
+burns on the eight of these that tell it.  Of elements April to June 2017 are tried apart, 1 % of
+those of the growth.
 
 Element sets against later ones of the same satellite share near their epoch what is wrong with
 SGP4: the growth alone is seen, plus the noise of both fits.
@@ -50,12 +51,9 @@ NEAR_EPOCH_DAYS = 0.04
 OEM_AGE_MIN_DAYS = 1.5  # where it is worse than the elements it is tried on
 OEM_YOUNG_DAYS = 0.3  # as truth for an older one
 BURN_MOVED_S = 3600.0  # a burn moved by more is another
-LOST_SIGMA = 3.0
-ORBIT_DAYS = 5560.0 / DAY_S
 HELD_OUT_DAY = 90.0  # of the archive
 TOLD_SHARES = (0.5, 0.9)
 SHARE_GOAL = 0.05
-BURN_GOAL = (0.5, 2.0)
 
 BURN_STEP_S = 60.0  # nodes crowd where an engine burns
 STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
@@ -72,7 +70,6 @@ def rows(data: Path) -> Iterator[Row]:
     for which, few in (("held out", held_out), ("all", list(read.values()))):
         yield from _tle_rows(tles, few, which)
     yield from _oem_rows(tles, list(read.values()))
-    yield from burn_rows(list(read.values()))
     yield from growth_rows(data / "tle" / ARCHIVE)
     yield from _state_rows(list(read.values()))
 
@@ -98,11 +95,11 @@ def growth_rows(archive: Path) -> Iterator[Row]:
     """Along the track, where the elements' own error at the epoch is small against the growth."""
     found = pairs(list(read_tles(archive)))
     for age, all_of in found.items():
-        weeks = len({pair.day // WEEK_DAYS for pair in all_of})
+        weeks = np.array([int(pair.day // WEEK_DAYS) for pair in all_of])
         for share in TOLD_SHARES:
-            kept = np.mean([pair.within(share) for pair in all_of])
+            kept = np.array([pair.within(share) for pair in all_of], dtype=float)
             what = f"TLE against a later one, reboosts included, along, {age:g} d"
-            yield share_row(what, share, float(kept), weeks, SHARE_GOAL)
+            yield share_row(what, share, kept, weeks, SHARE_GOAL)
         held_out = [pair for pair in all_of if pair.day >= HELD_OUT_DAY and not pair.reboosted]
         day, sigmas = np.array([(pair.day, pair.sigmas) for pair in held_out]).T
         week = day // WEEK_DAYS
@@ -110,36 +107,6 @@ def growth_rows(archive: Path) -> Iterator[Row]:
         of = f"of {len(held_out)} pairs"
         yield nees_row(f"TLE against a later one, no reboost, along, {age:g} d", by_week, of,
                        USUAL)  # fmt: skip
-
-
-def burn_rows(oems: list[OemOrbit]) -> Iterator[Row]:
-    """Ephemerides past burns that they planned, against those made after them."""
-    by_oem = [cases for oem in oems if (cases := _past_burns(oem, oems))]
-    if by_oem:
-        squares = [np.array(cases) for cases in by_oem]
-        of = f"of {sum(map(len, by_oem))} cases"
-        for k, axis in enumerate(AXES):
-            sets = [cases[:, k : k + 1] for cases in squares]
-            yield nees_row(f"OEM past a planned burn, {axis}", sets, of, goal=BURN_GOAL)
-
-
-def _past_burns(oem: OemOrbit, oems: list[OemOrbit]) -> list[np.ndarray]:
-    """Squares of errors over told sigmas; none where it was lost before, by a burn it knew not."""
-    cases = []
-    for truth in (one for one in oems if created(one) > created(oem)):
-        segment = truth.message.segments[0]
-        for from_utc in (segment.epoch_utc, created(truth)):
-            found_m = differences(truth, oem, from_utc, 0.5 * ORBIT_DAYS)
-            if not len(found_m):
-                continue
-            ephemeris = oem.ephemeris(from_utc, shifted_utc(from_utc, ORBIT_DAYS * DAY_S))
-            told_m = _axes_m(ephemeris.sigma(Instants(from_utc, np.array([2780.0]))))[0]
-            squares = np.mean(found_m**2, axis=0) / told_m**2
-            if ephemeris.burns and elapsed_s(ephemeris.burns[0].ignition_utc, from_utc) < 0.0:
-                cases.append(squares)
-            elif squares[1] > LOST_SIGMA**2:
-                return []
-    return cases
 
 
 def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit]) -> Iterator[Row]:

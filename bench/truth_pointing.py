@@ -7,6 +7,7 @@ scalar) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Da
 """
 
 import gzip
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -53,11 +54,12 @@ NOON_UTC = datetime(2018, 10, 12, 12, tzinfo=UTC)
 
 
 class Pair(NamedTuple):
-    """An orbit predicted, what it truly was, and when."""
+    """An orbit predicted, what it truly was, and when; predictions of one set share their error."""
 
     predicted: Orbit
     true: Orbit
     start_utc: datetime
+    of_set: int
 
 
 def rows(data: Path, sessions: int) -> Iterator[Row]:
@@ -67,13 +69,12 @@ def rows(data: Path, sessions: int) -> Iterator[Row]:
         ("and a TLE of 3 to 7 days", _later_elements(data)),
         ("and an OEM of 2 to 14 days", _ephemerides(data)),
     ):
-        told, kept, orbits = reliability(data / "attitude", pairs, sessions, budgets)
+        told, kept, sets = reliability(data / "attitude", pairs, sessions, budgets)
         for edge in np.arange(BINS) / BINS:
             inside = (told >= edge) & (told <= edge + 1.0 / BINS)
             if inside.sum() >= LEAST:
                 name = f"probability {edge:.1f}-{edge + 1.0 / BINS:.1f}, {what}"
-                sets = len(np.unique(orbits[inside]))
-                yield share_row(name, told[inside].mean(), kept[inside].mean(), sets, GOAL)
+                yield share_row(name, told[inside].mean(), kept[inside], sets[inside], GOAL)
     likely = [b for b in budgets if b.probability_in_frame < LIKELY]
     warned = sum(b.warning() is not None for b in likely)
     yield Row("likely misses that carry the warning", "all", f"{warned} of {len(likely)}",
@@ -99,7 +100,10 @@ def swing_rows(folder: Path) -> Iterator[Row]:
 def reliability(
     folder: Path, pairs: list[Pair], sessions: int, budgets: list[PointingBudget]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Told and kept probabilities of staying in frames of several sizes, and which orbit's."""
+    """Told and kept probabilities of staying in frames of several sizes, and of which set.
+
+    Every set's predictions are drawn as often, however many of them there are.
+    """
     t_s, q_body_from_lvlh = telemetry(folder)
     middle_s = t_s[len(t_s) // 2]
     mean = q_body_from_lvlh[t_s < middle_s].mean()
@@ -107,9 +111,14 @@ def reliability(
     law = LvlhAttitude(yaw_deg=yaw_deg, pitch_deg=pitch_deg, roll_deg=roll_deg)
     swing = Slerp(t_s, q_body_from_lvlh)
     rng = np.random.default_rng(2)
-    told, kept, orbits = [], [], []
+    by_set: dict[int, list[Pair]] = defaultdict(list)
+    for pair in pairs:
+        by_set[pair.of_set].append(pair)
+    sets = list(by_set.values())
+    told, kept, of_sets = [], [], []
     for _ in range(sessions):
-        pair = pairs[rng.integers(len(pairs))]
+        one_set = sets[rng.integers(len(sets))]
+        pair = one_set[rng.integers(len(one_set))]
         found, true_sight, sides = _session(pair, law, rng)
         budgets.extend(budget for _, budget in found)
         starts_s = rng.uniform(middle_s, t_s[-1] - SESSION_S[-1], STARTS)
@@ -123,8 +132,8 @@ def reliability(
         for half_rad, budget in found:
             told.append(budget.probability_in_frame)
             kept.append(np.mean(np.all(np.abs(off_rad) <= half_rad, axis=(1, 2))))
-            orbits.append(id(pair.predicted))
-    return np.array(told), np.array(kept), np.array(orbits)
+            of_sets.append(pair.of_set)
+    return np.array(told), np.array(kept), np.array(of_sets)
 
 
 def _session(
@@ -178,7 +187,7 @@ def _known(data: Path) -> list[Pair]:
                 position_km=tuple(states.r_sat_eci_m[0] / 1e3),
                 velocity_km_s=tuple(states.v_sat_eci_m_s[0] / 1e3),
             )
-            pairs.append(Pair(state, state, start_utc))
+            pairs.append(Pair(state, state, start_utc, len(pairs)))
     return pairs
 
 
@@ -187,7 +196,7 @@ def _later_elements(data: Path) -> list[Pair]:
     tles = sorted(read_tles(data / "tle" / ARCHIVE), key=lambda tle: tle.epoch_utc)
     tles = [tle for tle in tles if tle.epoch_utc.month >= HELD_OUT_MONTH]
     return [
-        Pair(first, later, later.epoch_utc)
+        Pair(first, later, later.epoch_utc, _week(first.epoch_utc))
         for k, first in enumerate(tles)
         for later in tles[k + 1 :]
         if _within(elapsed_s(later.epoch_utc, first.epoch_utc), TLE_AGES_DAYS)
@@ -198,7 +207,7 @@ def _ephemerides(data: Path) -> list[Pair]:
     """Truth from elements at their epoch."""
     oems = [read_oem_file(path) for path in sorted((data / "oem").glob("*.xml.gz"))]
     return [
-        Pair(oem, tle, tle.epoch_utc)
+        Pair(oem, tle, tle.epoch_utc, _week(created(oem)))
         for oem in oems
         for tle in read_tles(data / "tle" / "iss_tles.txt")
         if _within(elapsed_s(tle.epoch_utc, created(oem)), OEM_AGES_DAYS) and _covers(oem, tle)
@@ -208,6 +217,11 @@ def _ephemerides(data: Path) -> list[Pair]:
 def _covers(oem: OemOrbit, tle: TleOrbit) -> bool:
     segment = oem.message.segments[-1]
     return elapsed_s(tle.epoch_utc, segment.epoch_utc) < segment.t_s[-1] - 200.0
+
+
+def _week(made_utc: datetime) -> int:
+    """The Monday before, by its number: predictions of a week share tracking, air and burns."""
+    return made_utc.toordinal() - made_utc.weekday()
 
 
 def _within(age_s: float, days: tuple[float, float]) -> bool:

@@ -11,7 +11,14 @@ from scipy.stats import norm
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.messages.oem import OemSegment
 from planner.world.orbits import StateVectorOrbit, TleOrbit
-from planner.world.orbits.accuracy import GAUSS, NormalMixture, state_sigma, tle_sigma
+from planner.world.orbits.accuracy import (
+    GAUSS,
+    NormalMixture,
+    oem_sigma,
+    reboost_since,
+    state_sigma,
+    tle_sigma,
+)
 from planner.world.orbits.decay import UNKNOWN_DRAG_IN_A_DAY_M, drag_in_a_day_m
 
 DATA = Path(__file__).parents[1] / "data"
@@ -114,6 +121,53 @@ def test_elements_are_as_often_wrong_as_told_reboosts_included(days):
     scores = norm.ppf(np.linspace(0.0005, 0.9995, 1000))
     told = np.mean([np.mean(np.abs(along.scores(scores)) > 6.0) for *_, along in cases])
     assert told / 2.5 < beyond < told * 2.5
+
+
+@pytest.mark.parametrize(
+    ("drag_m", "air_m", "a_day", "rms_m_s"),
+    [(1400.0, 15600.0, 0.024, 0.41), (9900.0, 13300.0, 0.062, 0.98)],
+)
+def test_reboosts_make_up_for_drag(drag_m, air_m, a_day, rms_m_s):
+    """As likely and as large as two half-years of ISS elements show, by the likeliest law of each
+    alone: 2017, near solar minimum, and 2024-25, at maximum; six and thirteen reboosts."""
+    reboost = reboost_since(86400.0, drag_m, air_m)
+    assert reboost.share == pytest.approx(a_day, rel=0.1)
+    assert reboost.along_m == pytest.approx(3.0 * rms_m_s * 86400.0, rel=0.1)
+
+
+# Of NASA's ISS ephemerides of August 2021 to February 2025 without a burn before they are compared:
+# days since they were made, by how far they have the station ahead of the next one (km), and how
+# far the drag in them takes it in a day (m).
+EPHEMERIDES = np.array(
+    [
+        (6.5, -58.5, 1006.0),
+        (7.5, 39.8, 1841.0),
+        (12.2, -20.2, 1992.0),
+        (5.3, -22.4, 2168.0),
+        (14.4, 1001.3, 2556.0),  # turned out of the way of debris on 10 November 2021,
+        (4.3, -2.1, 1041.0),
+        (7.4, -481.4, 1110.0),  # and on 3 December
+        (8.9, 2.6, 800.0),
+        (10.1, 325.2, 5803.0),
+        (14.3, 53.6, 3238.0),
+        (3.5, -5.4, 4144.0),
+        (2.1, 1.8, 3601.0),
+        (4.5, -13.1, 3852.0),
+        (8.0, 26.6, 7864.0),
+    ]
+)
+
+
+def test_ephemerides_are_as_often_wrong_as_told_unplanned_burns_included():
+    """Half and 90 % of them within what is told of these, to two sampling errors."""
+    for share in (0.5, 0.9):
+        kept = []
+        for days, off_km, drag_m in EPHEMERIDES:
+            told = oem_sigma(np.array([days * 86400.0]), drag_m)
+            edge = float(told.along.scores(norm.ppf(0.5 + 0.5 * share)))
+            kept.append(abs(off_km) * 1e3 < edge * told.along_m[0])
+        sampling = np.sqrt(share * (1.0 - share) / len(kept))
+        assert np.mean(kept) == pytest.approx(share, abs=2.0 * sampling)
 
 
 def test_a_mixtures_scores_are_as_rare_as_the_normal_ones():

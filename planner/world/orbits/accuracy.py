@@ -12,13 +12,14 @@ from planner.world.frames.time_scales import DAY_S
 
 MEASURED_TLE = (
     "measured: ISS TLEs against NASA ephemerides near their epoch, 2,300 of 1998-2004, 2017 and "
-    "2024-25 against later ones for the growth, by the drag in the elements; reboosts since, one "
-    "in 24 days as the ISS's, count in the probability, not in sigma "
+    "2024-25 against later ones for the growth, by the drag in the elements; reboosts since, as "
+    "the ISS makes up for that drag, count in the probability, not in sigma "
     "(bench/truth.py, docs/decisions/orbit_growth.md)"
 )
 MEASURED_OEM = (
     "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each, and past planned "
-    "burns (bench/truth.py); 20, 50, 40 m at its creation assumed"
+    "burns (docs/decisions/orbit_growth.md); 20, 50, 40 m at its creation assumed; unplanned burns "
+    "since, one in 25 days as the ISS's, count in the probability, not in sigma"
 )
 ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
@@ -70,8 +71,14 @@ class OrbitErrorFigures:
     tle_negative_air_wrong: float = 2.0  # of what that air makes
     # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
     tle_growth: float = 1.65
-    reboosts_a_day: float = 0.042  # 19 seen in 356 days; small ones count as usual errors
-    reboost_m_s: float = 0.9  # rms of a reboost, the time since it as the elements' age
+    # Reboosts where drag takes a satellite 4 km along the track in a day, small ones among usual
+    # errors: how many, and rms of one, the time since it as the elements' age
+    reboosts_a_day: float = 0.04
+    reboost_m_s: float = 0.65
+    reboost_drag_in_a_day_m: float = 4000.0
+    # of burns that an ephemeris didn't plan the same: likeliest of 23, some of them against debris
+    unplanned_a_day: float = 0.04
+    unplanned_m_s: float = 0.15
     # of a burn in an ephemeris what isn't flown as planned, moved ones included: rms of eight,
     burn_wrong: float = 0.4  # as to the drift that it makes,
     burn_radial_wrong: float = 0.6  # and to the height
@@ -90,7 +97,7 @@ class OrbitSigma:
 
     Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures.
     basis: on what evidence.  better: a way to make them smaller.
-    along: how the error along the track is distributed, over along_m; reboosts since are in it.
+    along: how the error along the track is distributed, over along_m; unforeseen burns are in it.
     """
 
     radial_m: Array
@@ -120,27 +127,45 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> Or
     )
     drift_m_day = FIGURES.tle_growth * wrong_m * days ** (FIGURES.tle_growth - 1.0)
     along_m = np.hypot(1200.0, wrong_m * days**FIGURES.tle_growth)
-    share, reboost_m = reboost_since(float(np.mean(age_s)))
+    reboost = reboost_since(float(np.mean(age_s)), drag_in_a_day_m, air_in_a_day_m)
     return OrbitSigma(
         radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(drift_m_day) ** 2),
         along_m=along_m,
         cross_m=np.hypot(450.0, 155.0 * days),
         basis=MEASURED_TLE,
         better="younger elements, or an ephemeris (OEM)",
-        along=NormalMixture(
-            (*((1.0 - share) * part for part in USUAL.shares), share),
-            (*USUAL.sigma_ratios, math.hypot(1.0, reboost_m / float(np.mean(along_m)))),
-        ),
+        along=_along_mixture(along_m, reboost),
     )
 
 
-def reboost_since(age_s: float) -> tuple[float, float]:
-    """How likely one is since elements this old, and how far along the track it takes: rms, m.
+class UnforeseenBurn(NamedTuple):
+    """How likely one is since, and how far along the track it takes: rms, m."""
 
-    Drift of 3 times the gain of velocity, Clohessy and Wiltshire 1960.
+    share: float
+    along_m: float
+
+
+def reboost_since(age_s: float, drag_in_a_day_m: float, air_in_a_day_m: float) -> UnforeseenBurn:
+    """A reboost since elements this old, whose drag and air are as `tle_sigma` takes them.
+
+    Reboosts make up for what drag takes: where it is more they are more often and larger, each by
+    its root.  Drag that no air makes is of a fit across a reboost.
     """
-    share = -math.expm1(-FIGURES.reboosts_a_day * age_s / DAY_S)
-    return share, 3.0 * FIGURES.reboost_m_s * age_s
+    drag_m = min(abs(drag_in_a_day_m), air_in_a_day_m)
+    more = math.sqrt(drag_m / FIGURES.reboost_drag_in_a_day_m)
+    return _burn_since(age_s, FIGURES.reboosts_a_day * more, FIGURES.reboost_m_s * more)
+
+
+def _burn_since(age_s: float, a_day: float, rms_m_s: float) -> UnforeseenBurn:
+    """Drift of 3 times the gain of velocity, Clohessy and Wiltshire 1960."""
+    return UnforeseenBurn(-math.expm1(-a_day * age_s / DAY_S), 3.0 * rms_m_s * age_s)
+
+
+def _along_mixture(along_m: Array, burn: UnforeseenBurn) -> NormalMixture:
+    return NormalMixture(
+        (*((1.0 - burn.share) * part for part in USUAL.shares), burn.share),
+        (*USUAL.sigma_ratios, math.hypot(1.0, burn.along_m / float(np.mean(along_m)))),
+    )
 
 
 class PlannedBurn(NamedTuple):
@@ -164,17 +189,19 @@ def oem_sigma(
     drag_m = FIGURES.oem_drag_wrong * drag_in_a_day_m * days  # per day
     along_m2 = (drag_m * days) ** 2
     radial_m2 = 20.0**2 + _radial_m(2.0 * drag_m) ** 2
+    unplanned = _burn_since(float(np.mean(age_s)), FIGURES.unplanned_a_day, FIGURES.unplanned_m_s)
     for since_s, gain_m_s in burns:
         along_m2 = along_m2 + (3.0 * FIGURES.burn_wrong * gain_m_s * since_s) ** 2
         height_m = 2.0 * FIGURES.burn_radial_wrong * gain_m_s / _RATE_RAD_S
         radial_m2 = radial_m2 + np.where(since_s > 0.0, height_m, 0.0) ** 2
+    along_m = np.sqrt(50.0**2 + (1000.0 * days) ** 2 + along_m2)
     return OrbitSigma(
         radial_m=np.sqrt(radial_m2),
-        along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + along_m2),
+        along_m=along_m,
         cross_m=np.hypot(40.0, 8e-4 * np.sqrt(along_m2)),  # the node turns at another rate
         basis=MEASURED_OEM,
         better="a younger ephemeris",
-        along=USUAL,
+        along=_along_mixture(along_m, unplanned),
     )
 
 

@@ -201,7 +201,7 @@ def sgp4_ephemeris(
     if age_days >= WARN_AGE_DAYS:
         sigma = tle_sigma(np.array(age_days * DAY_S), drag_in_a_day_m, air_in_a_day_m)
         sigma_km = float(sigma.along_m) / 1e3
-        share, reboost_m = reboost_since(age_days * DAY_S)
+        share, reboost_m = reboost_since(age_days * DAY_S, drag_in_a_day_m, air_in_a_day_m)
         warnings = (
             f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track; if "
             f"the satellite is reboosted as the ISS is, it was with a probability of {share:.2f}, "
