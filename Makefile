@@ -180,7 +180,7 @@ oracles: setup
 	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
 
 # With DATA=FOLDER also what bench/truth.py holds against data that nothing was made with.
-BENCHES := slew_optimum body_slew plan plausible opportunities fleet aeossp stereo_imaging horizon horizon_air sizing
+BENCHES := slew_optimum body_slew keep_out plan plausible opportunities fleet aeossp stereo_imaging horizon horizon_air sizing
 
 bench: setup
 	$(PIP_INSTALL) --require-hashes -r requirements-bench.txt
