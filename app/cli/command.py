@@ -129,6 +129,7 @@ def worker(
 
     settings = settings_of_environment()
     check_scheduler(scheduler, "worker", "--scheduler")
+    check_scheduler(scheduler, "client", "--scheduler")  # as its children are, for prices
     from app.jobs.dask_executor import work_for
 
     configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers

@@ -37,11 +37,10 @@ from app.jobs.worker_process import (
 )
 from app.log.logs import log
 from app.versions import VERSION
-from app.work.cluster_prices import SLOT, WORKER_OF
+from app.work.cluster_prices import CONNECT_S, SLOT, WORKER_OF
 from app.work.progress import OnProgress, Progress
 from planner.base.errors import Refusal
 
-_CONNECT_S = 5.0
 _PAUSE_S = 1.0
 _STOP_TRIES = 3
 _LOST = (CancelledError, ClosedClientError, CommClosedError, TimeoutError, OSError)
@@ -200,7 +199,7 @@ class DaskExecutor:
                 self._disconnect()
                 self._client = Client(
                     self._scheduler,
-                    timeout=_CONNECT_S,
+                    timeout=CONNECT_S,
                     set_as_default=False,
                     name="slewtrack",
                     loop=self._loop,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 # A worker of another version never gets a task: its plans would say the wrong version.
 SLOT = f"slewtrack-{VERSION}"
 WORKER_OF = "SLEWTRACK_WORKER_OF"  # the scheduler's address, in children of its workers
-_CONNECT_S = 5.0
+CONNECT_S = 5.0
 _LOST = (CancelledError, OSError, TimeoutError)
 
 
@@ -35,7 +35,7 @@ def _connected() -> "AbstractContextManager[Client | None]":
     from distributed import Client
 
     with suppress(*_LOST):
-        return Client(scheduler, timeout=_CONNECT_S, set_as_default=False, name="slewtrack")
+        return Client(scheduler, timeout=CONNECT_S, set_as_default=False, name="slewtrack")
     return nullcontext()
 
 

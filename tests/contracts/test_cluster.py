@@ -295,7 +295,7 @@ def test_passes_of_a_fleet_are_priced_alike_by_workers_and_here(scheduler, logs,
 
 
 def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):
-    monkeypatch.setattr(dask_executor, "_CONNECT_S", 0.1)
+    monkeypatch.setattr(dask_executor, "CONNECT_S", 0.1)
     monkeypatch.setattr(dask_executor, "_PAUSE_S", 0.0)
     tries = []
     monkeypatch.setattr(dask_executor.log, "warning", lambda *_, **__: tries.append(descriptors()))
