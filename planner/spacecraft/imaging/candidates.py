@@ -54,15 +54,15 @@ OPTIONS = CandidateOptions()
 class ScanStarts(NamedTuple):
     """From when on a scan may be imaged with all of it within the camera's angles, (n,), ascending.
 
-    arc: its time is open.  entry_states, exit_states: as of `Slews`, (n, 11) each.  tilt_rad:
-    largest angle along the track.
+    arc: its time is open.  entry_states, exit_states: as of `Slews`, (n, 11) each.  off_rad: by so
+    much its largest angle along the track is off what would be best.
     """
 
     arc: GroundArc
     starts_s: Array
     entry_states: Array
     exit_states: Array
-    tilt_rad: Array
+    off_rad: Array
 
     @property
     def stops_s(self) -> Array:
@@ -198,14 +198,13 @@ def _from_starts(
     effort.charge(OPTIONS.arc_at_start * len(starts_s))
     t_s = starts_s[(starts_s >= first_s) & (starts_s + arc.scan_s <= last_s)]
     in_reach, tilt_rad = _in_reach(arc, t_s, session)
-    if isinstance(request, StereoRequest):  # whose looks are to be tilted
-        tilt_rad = np.zeros_like(t_s)
-    t_s = t_s[in_reach]
+    t_s, off_rad = t_s[in_reach], tilt_rad[in_reach]
     effort.charge(OPTIONS.held * len(t_s))
     if len(t_s):
+        if isinstance(request, StereoRequest):  # the angle asked for is in their middle
+            off_rad = np.abs(off_rad - np.median(off_rad))
         entries, exits = session.entries(arc, t_s), session.ends(arc, t_s, arc.scan_s)
-        starts = ScanStarts(arc, t_s, entries, exits, tilt_rad[in_reach])
-        yield starts, session.holds(arc, t_s)
+        yield ScanStarts(arc, t_s, entries, exits, off_rad), session.holds(arc, t_s)
 
 
 def _in_reach(arc: GroundArc, t_s: Array, session: ImagingSession) -> tuple[Mask, Array]:

@@ -40,7 +40,7 @@ class ChoiceOptions:
     """What a choice and its bound may take, and how it is revised where a slew isn't found."""
 
     fit: float = 0.01  # of `effort`: to look whether a slew fits, of those that there may be
-    tilted: float = 1e-4  # of a look's worth, for each radian along the track: of equals the best
+    off: float = 1e-4  # of a look's worth, for each radian off its best angle: of equals the best
     bound_share: float = 0.3  # of what work is left: the rest is for flights
     more_s: tuple[float, float, float] = (4.0, 2.0, 0.8)  # for every slew, tried in this order
     tries: int = 3  # of a request, before others are imaged in its place
@@ -339,7 +339,7 @@ def _made_ready(options: Sequence[ScanStarts], session: ImagingSession) -> Imagi
                 spare_s,
                 np.concatenate([none, one.exit_states[run]]),
                 np.concatenate([one.entry_states[run], none]),
-                1.0 - OPTIONS.tilted * one.tilt_rad[run][middle],
+                1.0 - OPTIONS.off * one.off_rad[run][middle],
             )
         )
     target, first_step, steps, spares_s = (
