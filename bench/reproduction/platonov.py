@@ -134,7 +134,7 @@ def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
     plan = planned(name)
     session = make_session(plan.request)
     options, _ = options_of(session)
-    arcs = sorted((arc for one in options for arc in one.arcs), key=lambda arc: arc.first_row)
+    arcs = sorted((one.begun(0) for one in options), key=lambda arc: arc.first_row)
     rows = len(plan.table.t_s)
     q = plan.table.position.copy()
     omega, alpha = np.zeros((rows, 3)), np.zeros((rows, 3))

@@ -40,7 +40,6 @@ SOURCES = [
     "planning/opportunities/sweep.py",
     "planning/opportunities/telling.py",
     "planning/opportunities/tracking.py",
-    "spacecraft/imaging/choice.py",
     "spacecraft/imaging/session.py",
     "verification/unloading.py",
     "world/frames/earth_orientation.py",

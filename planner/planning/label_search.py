@@ -21,7 +21,6 @@ from planner.base.arrays import Indices
 from planner.base.compiled import compiled, inlined
 
 NONE = -1
-WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a item that a visit makes
 BITS = 62  # of a word of a label's memory, which is signed
 LABELS_MAX = 4_000_000  # of a round, a minute; its value is no bound then
 
@@ -70,13 +69,11 @@ class LabelMemory(NamedTuple):
 class Visit(NamedTuple):
     """What becomes of a label that makes it.
 
-    number: the caller's.  part: WHOLE, or OPENS and COMPLETES a item, others between.
-    tick: when it ends.
+    number: the caller's.  tick: when it ends.
     """
 
     number: int
     item: int
-    part: int
     value: float
     tick: int
 
@@ -84,8 +81,7 @@ class Visit(NamedTuple):
 class Labels(NamedTuple):
     """first: label at every place, NONE.  label: records of _LABEL.
 
-    bits: of items visited, and of those of which one part was, (labels + 1, 2, w), the last of a
-    label that is being made.
+    bits: of items visited, (labels + 1, w), the last of a label that is being made.
     use: how many of them are in use, how many were made, and how many may be.
     """
 
@@ -130,7 +126,7 @@ class Repeats:
 
     items: how many there are.  item, first_tick, last_tick: of each place where one can be
     visited, (n,).  Things that lie further apart than a label can leap share a bit.
-    pairs: items visited in two parts, remembered everywhere.
+    everywhere: items that are remembered from the first on, and everywhere.
     """
 
     def __init__(
@@ -140,17 +136,17 @@ class Repeats:
         first_tick: Indices,
         last_tick: Indices,
         leap_ticks: int,
-        pairs: Sequence[int],
+        everywhere: Sequence[int],
     ) -> None:
         self._first, self._last = np.full(items, last_tick.max()), np.zeros(items, np.int64)
         np.minimum.at(self._first, item, first_tick)
         np.maximum.at(self._last, item, last_tick)
         self._leap_ticks = leap_ticks
-        self._pairs = frozenset(pairs)
+        self._everywhere = frozenset(everywhere)
         self._number: dict[int, int] = {}
         self._visit_mask = np.zeros((items, 1), np.int64)
-        for pair in pairs:
-            self._remember(pair, slice(None))
+        for one in everywhere:
+            self._remember(one, slice(None))
 
     def memory(self, most: int) -> LabelMemory:
         numbers = np.full(len(self._visit_mask), NONE)
@@ -166,7 +162,7 @@ class Repeats:
         last: dict[int, int] = {}
         changed = False
         for place, item in enumerate(items):
-            if item in self._pairs:
+            if item in self._everywhere:
                 continue
             if item in last:
                 self._remember(item, list(items[last[item] : place + 1]))
@@ -220,13 +216,10 @@ def bound(found: Iterable[Round]) -> float:
 @inlined
 def _is_as_free(bits: Indices, one: int, other: int) -> bool:
     """Whether one label may make all visits that another one may."""
-    for word in range(bits.shape[2]):
-        if (
-            bits[one, 0, word] & ~bits[other, 0, word] != 0
-            or bits[other, 1, word] & ~bits[one, 1, word] != 0
-        ):
-            return False
-    return True
+    barred = 0
+    for word in range(bits.shape[1]):
+        barred |= bits[one, word] & ~bits[other, word]
+    return barred == 0
 
 
 @inlined
@@ -235,21 +228,11 @@ def _remember(labels: Labels, k: int, memory: LabelMemory, made: Visit) -> bool:
     before, after = memory.tick_mask[made.tick], memory.visit_mask[made.item]
     own, bit = memory.word[made.item], memory.bit[made.item]
     bits, new = labels.bits, len(labels.bits) - 1
-    is_known = bits[k, 0, own] & before[own] & bit != 0
-    is_open = bits[k, 1, own] & before[own] & bit != 0
-    if is_known or (made.part == OPENS and is_open):
-        return False
-    if made.part == COMPLETES and not is_open and bit != 0:
+    if bits[k, own] & before[own] & bit != 0:
         return False
     for word in range(len(after)):
-        bits[new, 0, word] = bits[k, 0, word] & before[word] & after[word]
-        bits[new, 1, word] = bits[k, 1, word] & before[word]
-    if made.part == OPENS:
-        bits[new, 1, own] |= bit
-    else:
-        bits[new, 0, own] |= bit & after[own]
-    if made.part == COMPLETES:
-        bits[new, 1, own] &= ~bit
+        bits[new, word] = bits[k, word] & before[word] & after[word]
+    bits[new, own] |= bit & after[own]
     return True
 
 
@@ -288,8 +271,8 @@ def _keep(labels: Labels, place: int, value: float, last: int) -> int:
         labels.use[_SLOTS] += 1
     made = label[new]
     made.value, made.last = value, last
-    for word in range(bits.shape[2]):
-        bits[new, 0, word], bits[new, 1, word] = bits[made_at, 0, word], bits[made_at, 1, word]
+    for word in range(bits.shape[1]):
+        bits[new, word] = bits[made_at, word]
     made.next = labels.first[place]
     labels.first[place] = new
     return int(new)
@@ -306,7 +289,7 @@ def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     labels = Labels(
         first=np.full(places, NONE),
         label=np.empty(slots, _LABEL),
-        bits=np.empty((slots + 1, 2, words), np.int64),
+        bits=np.empty((slots + 1, words), np.int64),
         use=np.array([0, 0, most]),
     )
     labels.bits[slots] = 0
@@ -326,8 +309,7 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, vis
         here = label[k]
         if here.last == k or not visited:
             for word in range(len(mask)):
-                bits[new, 0, word] = bits[k, 0, word] & mask[word]
-                bits[new, 1, word] = bits[k, 1, word] & mask[word]
+                bits[new, word] = bits[k, word] & mask[word]
             for to in places:
                 if to != NONE and not _is_dominated(labels, first[to], here.value):
                     _keep(labels, to, here.value, here.last)

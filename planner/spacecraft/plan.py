@@ -25,7 +25,7 @@ from planner.spacecraft.found import (
     SessionFound,
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
-from planner.spacecraft.imaging.choice import bound_of, choose_and_slew, options_of
+from planner.spacecraft.imaging.choice import choose_and_slew, options_of
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.imaging.timeline import report_slews
 from planner.spacecraft.requests import ImagingPlanRequest
@@ -114,7 +114,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, refine: bool = Tr
         raise VerificationFailed("; ".join(verification.findings))
     tell("bound", 0, 1)
     value = chosen.choice.value
-    bound = bound_of(options, session.priorities, session.slews, value)
+    bound = max(chosen.first.bound(session.priorities), value)
     warnings, slews = whole.warnings, tuple(report_slews(session.platform, whole))
     # As many as may still be made, one at least where any is asked for.
     run_work = OPTIONS.simulated_row * len(whole.table.position)

@@ -18,7 +18,7 @@ MOST = {
     "inflight": 47,
     "motion": 68,
     "output": 37,
-    "planning": 27,
+    "planning": 24,
     "spacecraft": 5,
     "verification": 60,
     "world": 122,

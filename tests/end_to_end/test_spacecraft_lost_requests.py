@@ -61,10 +61,9 @@ def test_of_a_reversible_detectors_scans_those_too_fast_are_none():
     found = candidates(strip, 0, made)
     assert found
     for one in found:
-        [arc] = one.arcs
         for share in (0.0, 0.5, 1.0):
-            [state] = made.ends(arc, np.array([one.start_s]), share * arc.duration_s)
-            omega_body_rad_s = state[4:7]
+            states = made.ends(one.arc, one.starts_s, share * one.arc.duration_s)
+            omega_body_rad_s = states[:, 4:7]
             assert np.rad2deg(np.abs(omega_body_rad_s).max()) <= 1.58
 
 

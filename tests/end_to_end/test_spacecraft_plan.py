@@ -187,7 +187,8 @@ def test_a_look_left_out_is_found(plan):
 
 
 def test_an_area_left_uncovered_is_found(plan):
-    only(judge(plan, windows=plan.windows[:-1]), "outside the strips")
+    outer = [one for one in plan.windows if (one.request, one.look) != ("area", 3)]
+    only(judge(plan, windows=tuple(outer)), "outside the strips")
 
 
 @pytest.mark.parametrize("rows", [slice(None, -1), slice(1, None)])

@@ -3,6 +3,7 @@
 import itertools
 import math
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,8 @@ from ruckig import InputParameter, Ruckig, Trajectory
 from scipy.spatial.transform import Rotation
 from spacecraft_cases import line, session
 
-from planner.spacecraft.imaging.candidates import Candidate, candidates
-from planner.spacecraft.imaging.choice import bound_of, choose, options_of
+from planner.spacecraft.imaging.candidates import ScanStarts, candidates
+from planner.spacecraft.imaging.choice import choose, options_of
 from planner.spacecraft.imaging.session import GroundArc, Slews, make_session
 from planner.spacecraft.requests import StripRequest
 from planner.spacecraft.vehicle import AgileSpacecraft
@@ -32,12 +33,16 @@ def state(turn_rad, rate_rad_s=0.0):
     return np.array([*Rotation.from_rotvec(turn_rad).as_quat(), *rate, *[0.0] * 4])
 
 
-def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
-    arc = GroundArc(path=SIX_SECONDS, start_s=start_s)
-    tilted = state([0.0, 0.0, pitch_rad], rate_rad_s)
-    return Candidate(
-        request=request, part=part, arcs=(arc,), entry_state=tilted, exit_state=tilted, tilt_rad=0.0
-    )
+def scan_starts(request, look, starts_s, rolls_rad):
+    states = np.array([state([0.0, 0.0, roll_rad]) for roll_rad in rolls_rad]).reshape(-1, 11)
+    arc = GroundArc(path=SIX_SECONDS, request=request, look=look)
+    return ScanStarts(arc, np.array(starts_s), states, states, np.zeros(len(states)))
+
+
+def imaged_with(priorities):
+    """A session with requests of these priorities."""
+    request = SimpleNamespace(requests=priorities)
+    return SimpleNamespace(priorities=priorities, slews=SLEWS, request=request, duration_s=200.0)
 
 
 def random_session(seed, stereo):
@@ -45,19 +50,16 @@ def random_session(seed, stereo):
     options = []
     for request in range(6):
         middle, roll = random.uniform(20.0, 120.0), random.uniform(-0.4, 0.4)
-        parts = (1, 2) if stereo and request < 2 else (0,)
-        for part in parts:
-            for k in range(2):
-                start = round((middle + 10.0 * k + 45.0 * (part == 2)) * 5) / 5
-                options.append(candidate(request, part, start, roll + 0.05 * k))
-    options.sort(key=lambda one: one.start_s)
+        for look in range(2 if stereo and request < 2 else 1):
+            starts = np.round((middle + 45.0 * look + np.array([0.0, 10.0])) * 5.0) / 5.0
+            options.append(scan_starts(request, look, starts, [roll, roll + 0.05]))
     return options, list(random.integers(1, 10, 6).astype(float))
 
 
 @cache
 def follows(a, b):
-    ticks = np.array([round((b.start_s - a.stop_s) / 0.2)])
-    return SLEWS.fit(a.exit_state[None], b.entry_state[None], ticks)[0]
+    ends = (state([0.0, 0.0, roll_rad])[None] for _, roll_rad in (a, b))
+    return SLEWS.ticks(*ends)[0] <= round((b[0].start_s - a[0].stop_s) / 0.2)
 
 
 def quickest_s(angle_rad, rates_rad_s=(0.0, 0.0)):
@@ -76,21 +78,29 @@ def quickest_s(angle_rad, rates_rad_s=(0.0, 0.0)):
 
 @cache
 def follows_at_best(a, b):
-    turn = Rotation.from_quat(a.exit_state[:4]).inv() * Rotation.from_quat(b.entry_state[:4])
-    slew_s = quickest_s(turn.magnitude()) + BODY.envelope.settle_s
-    return b.start_s - a.stop_s >= slew_s
+    slew_s = quickest_s(abs(b[1] - a[1])) + BODY.envelope.settle_s
+    return b[0].start_s - a[0].stop_s >= slew_s
+
+
+def rolled(options):
+    """Every scan that may be begun, with its roll."""
+    for one in options:
+        rolls_rad = Rotation.from_quat(one.entry_states[:, :4]).as_rotvec()[:, 2].tolist()
+        for k, roll_rad in enumerate(rolls_rad):
+            yield one.begun(k), roll_rad
 
 
 def brute_force(options, priorities, follows=follows):
-    groups = {}
-    for option in options:
-        groups.setdefault((option.request, option.part), []).append(option)
+    groups, looks = {}, {}
+    for scan, roll_rad in rolled(options):
+        groups.setdefault((scan.request, scan.look), []).append((scan, roll_rad))
+        looks.setdefault(scan.request, set()).add(scan.look)
     best = 0.0
     for picks in itertools.product(*[[None, *group] for group in groups.values()]):
-        path = sorted((p for p in picks if p is not None), key=lambda p: p.start_s)
+        path = sorted((p for p in picks if p is not None), key=lambda p: p[0].start_s)
         if all(follows(a, b) for a, b in itertools.pairwise(path)):
-            parts = {(p.request, p.part) for p in path}
-            whole = {r for r, part in parts if part == 0 or {(r, 1), (r, 2)} <= parts}
+            taken = {(scan.request, scan.look) for scan, _ in path}
+            whole = {r for r, own in looks.items() if {(r, look) for look in own} <= taken}
             best = max(best, sum(priorities[r] for r in whole))
     return best
 
@@ -99,25 +109,31 @@ def brute_force(options, priorities, follows=follows):
 @pytest.mark.parametrize("stereo", [False, True])
 def test_choice_is_the_best_of_all(seed, stereo):
     options, priorities = random_session(seed, stereo)
-    choice = choose(options, priorities, SLEWS)
+    choice = choose(options, imaged_with(priorities))
     assert choice.value == pytest.approx(brute_force(options, priorities))
     assert choice.greedy_value <= choice.value
-    assert all(follows(a, b) for a, b in itertools.pairwise(choice.chosen))
-    bound = bound_of(options, priorities, SLEWS, choice.value)
+    rolls_rad = dict(rolled(options))
+    chosen = [(scan, rolls_rad[scan]) for scan in choice.chosen]
+    assert all(follows(a, b) for a, b in itertools.pairwise(chosen))
+    bound = choice.bound(priorities)
     assert brute_force(options, priorities, follows_at_best) <= bound + 1e-9
     assert bound <= sum(priorities)
 
 
 def test_a_bound_is_less_than_everything_where_no_slew_is_quick_enough():
-    options = [candidate(0, 0, 10.0, -0.4), candidate(1, 0, 17.0, 0.4)]
-    assert choose(options, [1.0, 3.0], SLEWS).value == 3.0
-    assert bound_of(options, [1.0, 3.0], SLEWS, 3.0) == 3.0
+    options = [scan_starts(0, 0, [10.0], [-0.4]), scan_starts(1, 0, [17.0], [0.4])]
+    choice = choose(options, imaged_with([1.0, 3.0]))
+    assert (choice.value, choice.bound([1.0, 3.0])) == (3.0, 3.0)
 
 
 def test_what_is_never_whole_is_passed_over():
-    """One request has no candidate, another the first look of a pair only."""
-    options = [candidate(2, 1, 10.0, 0.0), candidate(0, 0, 40.0, 0.0)]
-    choice = choose(options, [1.0, 3.0, 9.0], SLEWS)
+    """One request has no scan, another the first look of a pair only."""
+    options = [
+        scan_starts(0, 0, [40.0], [0.0]),
+        scan_starts(2, 0, [10.0], [0.0]),
+        scan_starts(2, 1, [], []),
+    ]
+    choice = choose(options, imaged_with([1.0, 3.0, 9.0]))
     assert (choice.value, choice.greedy_value, choice.requests) == (1.0, 1.0, {0})
 
 
@@ -133,15 +149,15 @@ def test_a_dense_session_is_worth_what_was_flown():
         for k in range(14)
     ]
     made = make_session(session(drawn, 260.0))
-    assert choose(options_of(made)[0], made.priorities, made.slews).value >= 36.59
+    assert choose(options_of(made)[0], made).value >= 36.59
 
 
 @pytest.mark.parametrize(("count", "apart_s"), [(25, 1.0), (30, 2.0)])
 def test_more_requests_than_can_be_paired_finely_are_tried_further_apart(count, apart_s):
     strips = [StripRequest(name=str(k), geometry=line(130.0)) for k in range(count)]
     made = make_session(session(strips, 260.0))
-    starts_s = [one.start_s for one in candidates(strips[0], 0, made)]
-    np.testing.assert_allclose(np.diff(starts_s), apart_s)
+    [tried] = candidates(strips[0], 0, made)
+    np.testing.assert_allclose(np.diff(tried.starts_s), apart_s)
 
 
 @pytest.mark.parametrize("rates_deg_s", [(0.0, 0.0), (-0.9, -0.9), (0.5, -0.4), (0.7, 0.3)])

@@ -213,8 +213,9 @@ def _fill_arrivals(
     least = np.where(network.scanned, least_steps[network.target], 0)
     usable_to = network.last - least_steps[network.target]
     limits, rests, _ = slewing
-    _fill(states, network, least, usable_to, ways.step_s, limits, sign)
-    _fill_rests(states, network, least, usable_to, ways.step_s, limits, rests, sign)
+    spare_s = ways.spare_s[rows] if len(ways.spare_s) else np.zeros((len(rows), 2))
+    _fill(states, network, least, usable_to, spare_s, ways.step_s, limits, sign)
+    _fill_rests(states, network, least, usable_to, spare_s, ways.step_s, limits, rests, sign)
 
 
 @compiled
@@ -223,6 +224,7 @@ def _fill_rests(
     network: Network,
     least: Indices,
     usable_to: Indices,
+    spare_s: Array,
     step_s: float,
     limits: FollowerLimits,
     rests: Rests,
@@ -239,14 +241,14 @@ def _fill_rests(
         else:
             latest = _first_arrival(
                 rests.start_state, states[1], offset[way], first[way],
-                min(usable_to[way], begun + network.reach), begun, latest, step_s, limits,
-                sign, network.scanned[way],
+                min(usable_to[way], begun + network.reach), begun, latest, spare_s[way, 1], step_s,
+                limits, sign, network.scanned[way],
             )  # fmt: skip
         network.enters[way] = NEVER if latest == NEVER else offset[way] + latest - first[way]
         is_back = False
         for leave in range(last[way], first[way] - 1, -1):
             cell = offset[way] + leave - first[way]
-            left_s = rests.stop_s - (leave - begun) * step_s + 1e-9
+            left_s = rests.stop_s - (leave - begun) * step_s + spare_s[way, 0] + 1e-9
             known = sign < 0.0 and network.ends[cell]
             is_back = known or (is_back and not network.scanned[way])
             if not is_back and leave - first[way] >= least[way] and left_s > 0.0:
@@ -262,6 +264,7 @@ def _fill(
     network: Network,
     least: Indices,
     usable_to: Indices,
+    spare_s: Array,
     step_s: float,
     limits: FollowerLimits,
     sign: float,
@@ -295,8 +298,9 @@ def _fill(
                 else:
                     latest = _first_arrival(
                         states[0][offset[source] + steps], states[1], offset[to], first[to],
-                        min(usable_to[to], leave + network.reach), leave, latest, step_s, limits,
-                        sign, network.scanned[to],
+                        min(usable_to[to], leave + network.reach), leave, latest,
+                        spare_s[source, 0] + spare_s[to, 1], step_s, limits, sign,
+                        network.scanned[to],
                     )  # fmt: skip
                 arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
 
@@ -310,6 +314,7 @@ def _first_arrival(
     usable_to: int,
     leave: int,
     latest: int,
+    spare_s: float,
     step_s: float,
     limits: FollowerLimits,
     sign: float,
@@ -321,14 +326,15 @@ def _first_arrival(
     if is_scan and sign < 0.0:
         for at in range(max(first, leave + 1), (usable_to if latest == NEVER else latest - 1) + 1):
             if slew_fits(
-                state, states[offset + at - first], limits, sign, (at - leave) * step_s + 1e-9
-            ):
+                state, states[offset + at - first], limits, sign,
+                (at - leave) * step_s + spare_s + 1e-9,
+            ):  # fmt: skip
                 return at
         return latest
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
         there = states[offset + step - first]
-        if not slew_fits(state, there, limits, sign, (step - leave) * step_s + 1e-9):
+        if not slew_fits(state, there, limits, sign, (step - leave) * step_s + spare_s + 1e-9):
             break
         found = step
         step -= 1

@@ -13,7 +13,6 @@ from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.label_search import (
     NONE,
     ROUNDING,
-    WHOLE,
     LabelMemory,
     Labels,
     Repeats,
@@ -136,7 +135,7 @@ def _rounds(
     things = len(worth.price)
     return rounds(
         lambda memory: Round(*_sweep(network, worth, memory)),
-        Repeats(things, network.target, network.first, network.last, leap_ticks, pairs=kept),
+        Repeats(things, network.target, network.first, network.last, leap_ticks, everywhere=kept),
         *labels_max,
     )
 
@@ -189,7 +188,7 @@ def _look_until(
             continue
         value = _gain(network, worth, cell, target, length, step - takes)
         if value > 0.0:
-            look = Visit(cell * lengths + length, target, WHOLE, value, step)
+            look = Visit(cell * lengths + length, target, value, step)
             is_seen |= visit(labels, (cell - takes,), cell + network.size, memory, look)
     return is_seen
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +38,8 @@ class Ways:
 
     A way is an unbroken run of steps of one `Following` within all limits.
     look: row of the `Looks` it was found in.
+    spare_s: (w, 2), of ways off the grid, how long before a step a look that ends then has ended,
+    and how long after it one that begins then begins; empty where all are on it.
     first_step, steps: the run on the grid, at step_s k after the grid's start.
     offset: of its first row in states (n, s), as of `slew_fits`, and in quality (n,), of the view.
     scanned: whether it is a scan's: its states are then those in which a scan that began earlier
@@ -56,6 +58,7 @@ class Ways:
     scanned: Mask
     begin_states: Array
     look: Indices
+    spare_s: Array = field(default_factory=lambda: np.empty((0, 2)))
 
 
 _Run = tuple[Indices, Indices, Indices, Array, Array, Array]

@@ -9,14 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
-from itertools import product
+from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, OutsideCoverage, Refusal, Unreachable
-from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice import LooksTooClose
 from planner.spacecraft.imaging.session import make_session
@@ -135,11 +134,15 @@ def _spans(
         piece = replace(request, start=start, stop=shifted_utc(start, piece_s))
         with suppress(Unreachable, InfeasibleSlew, OutsideCoverage):
             options = candidates(free, 0, make_session(piece))
-            for first, last in product(options, options):
-                parts = first.part, last.part
-                is_pair = parts == (OPENS, COMPLETES) and last.start_s > first.stop_s
-                if is_pair or (parts == (WHOLE, WHOLE) and first is last):
-                    yield shifted_utc(start, first.start_s), shifted_utc(start, last.stop_s)
+            first, last = options[0], options[-1]
+            spans_s = [*chain(*(zip(one.starts_s, one.stops_s, strict=True) for one in options))]
+            if isinstance(free, StereoRequest):
+                pairs_s = product(first.stops_s, last.starts_s)
+                spans_s = [(a - first.arc.scan_s, b + last.arc.scan_s) for a, b in pairs_s if a < b]
+            elif last.arc.look > 0:
+                spans_s = [(min(spans_s)[0], max(stop_s for _, stop_s in spans_s))]
+            for start_s, stop_s in spans_s:
+                yield shifted_utc(start, start_s), shifted_utc(start, stop_s)
 
 
 def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop: datetime) -> float:

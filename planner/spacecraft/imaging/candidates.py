@@ -5,8 +5,9 @@ left is refused with when it would come closest.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,6 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, Unreachable
 from planner.base.mrp import BodyMotion
 from planner.motion.attitude.track import agility_limits
-from planner.planning.label_search import COMPLETES, OPENS, WHOLE
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import Request, StereoRequest
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
@@ -29,24 +29,21 @@ from planner.world.targets.imaging import AreaMode, CorridorMode, StereoMode
 class CandidateOptions:
     """From which moments on what is asked for is tried."""
 
-    # Between starts: at 2 s five dense sessions were worth 1 to 4 % less, at 0.4 s one of four 2 %
-    # more for half as much work again.
+    # Between starts: at 2 s five dense sessions were worth 1 to 4 % less, at 0.4 s one of them 2 %
+    # more for three times the work.
     grid_s: float = 1.0
     coarse_grid_s: float = 2.0
-    # requests squared by the session's time, up to which the pairs of a fine grid take a fifth of
-    # the work there is at most
+    # requests squared by the session's time, from which a fine grid has more paths than labels: a
+    # hundred strips in 1,200 s were worth 0.5 % less at 1 s, for twice the work
     dense_per_s: float = 2.5
     told_at: int = 9  # instants of a scan that is refused,
     told_of: int = 3  # and at most so many of those
     told: float = 250.0  # of `effort`: to look what one of them lacks
     stereo_steps: int = 5  # starts tried before and after that of the exact angle,
     stereo_step_ticks: int = 2  # so far apart
-    # a slew's time hangs on where its goal has moved meanwhile: the first guess,
-    slew_guess_s: float = 10.0
-    slew_rounds: int = 3  # and how often it is bettered
     passing_rad: float = math.radians(3.0)  # along the track: abeam
     rounding_s: float = 1e-6  # a window may be given to the microsecond
-    arc_at_start: float = 5.0  # of `effort`: to look at an arc scanned from one start,
+    arc_at_start: float = 2.0  # of `effort`: to look at an arc scanned from one start,
     point_at_tick: float = 0.25  # and at one point of it
     held: float = 10.0  # of `effort`: to look whether the body can follow an arc from one start
 
@@ -54,58 +51,73 @@ class CandidateOptions:
 OPTIONS = CandidateOptions()
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Candidate:
-    """One possibility to image a request: arcs in order of time, all within the camera's angles.
+class ScanStarts(NamedTuple):
+    """From when on a scan may be imaged with all of it within the camera's angles, (n,), ascending.
 
-    request: its number in the session.  part: as of `label_search`, others may come between the
-    two looks of a stereo pair.  entry_state, exit_state: as of `Slews`, (11,)
-    each, of the first arc and the last one.  tilt_rad: largest angle along the track.
-    is_held: whether the body can follow it within its limits.
+    arc: its time is open.  entry_states, exit_states: as of `Slews`, (n, 11) each.  off_rad: by so
+    much its largest angle along the track is off what would be best.
     """
 
-    request: int
-    part: int
-    arcs: tuple[GroundArc, ...]
-    entry_state: Array
-    exit_state: Array
-    tilt_rad: float
-    is_held: bool = True
+    arc: GroundArc
+    starts_s: Array
+    entry_states: Array
+    exit_states: Array
+    off_rad: Array
 
     @property
-    def start_s(self) -> float:
-        return self.arcs[0].start_s
+    def stops_s(self) -> Array:
+        """Of its scans."""
+        return self.starts_s + self.arc.scan_s
 
     @property
-    def stop_s(self) -> float:
-        return self.arcs[-1].stop_s
+    def look(self) -> tuple[int, int]:
+        """Its request's number, and its own."""
+        return self.arc.request, self.arc.look
+
+    def only(self, kept: Mask) -> "ScanStarts":
+        """Some of them."""
+        return ScanStarts(self.arc, *(part[kept] for part in self[1:]))
+
+    def begun(self, k: int) -> GroundArc:
+        """The scan from the k-th of them on."""
+        return replace(self.arc, start_s=float(self.starts_s[k]))
 
 
-def candidates(request: Request, number: int, session: ImagingSession) -> list[Candidate]:
-    """Every candidate of the number-th request.
+def grid_s(session: ImagingSession) -> float:
+    """Between the starts tried."""
+    is_dense = len(session.request.requests) ** 2 > OPTIONS.dense_per_s * session.duration_s
+    return OPTIONS.coarse_grid_s if is_dense else OPTIONS.grid_s
+
+
+def candidates(request: Request, number: int, session: ImagingSession) -> list[ScanStarts]:
+    """Every scan of the number-th request, in each sense that it may have.
 
     Raises Unreachable when it is never seen, InfeasibleSlew when no scan of it keeps the limits.
     """
     try:
         orders = scan_orders(request, session)
-        tried_s = list(_looks(request, orders, session))
+        looks_s = _looks(request, orders, session)
     except ValueError as error:
         detail = f"{request.name!r}: {str(error).removeprefix('target.')}"
         raise Unreachable(detail, field=f"requests.{number}", limit="time") from None
+    senses = list(zip(*orders, strict=True)) * (len(looks_s) // len(orders[0]))
     looks = [
         [
             one
-            for arcs in orders
-            for one in _from_starts(arcs, starts_s, (number, part), request, session)
+            for arc in arcs
+            for one in _from_starts(
+                replace(arc, request=number, look=look), starts_s, request, session
+            )
         ]
-        for part, starts_s in tried_s
+        for look, (arcs, starts_s) in enumerate(zip(senses, looks_s, strict=True))
     ]
     if not all(looks):  # half a pair is no image
         raise _never_seen(request, number, orders[0], session)
     for look in looks:
-        if not any(one.is_held for one in look):
-            raise _too_fast(look, number, session)
-    return [one for look in looks for one in look if one.is_held]
+        if not any(held.any() for _, held in look):
+            refused = [one.begun(k) for one, _ in look for k in range(len(one.starts_s))]
+            raise _too_fast(refused, number, session)
+    return [one.only(held) for look in looks for one, held in look if held.any()]
 
 
 def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundArc]]:
@@ -136,8 +148,8 @@ def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundAr
 
 def _looks(
     request: Request, orders: list[list[GroundArc]], session: ImagingSession
-) -> Iterator[tuple[int, Array]]:
-    """Parts of a request, and the starts tried.
+) -> Sequence[Array]:
+    """Starts tried of every look.
 
     Of a stereo pair where the strip's middle is look_angle_deg ahead (or from `start` on), and the
     same behind; or gap_s apart.
@@ -145,32 +157,28 @@ def _looks(
     asked_s = None
     if request.start is not None:
         asked_s = _on_ticks(np.array([elapsed_s(request.start, session.epoch_utc)]))
-    is_dense = len(session.request.requests) ** 2 > OPTIONS.dense_per_s * session.duration_s
-    apart_s = OPTIONS.coarse_grid_s if is_dense else OPTIONS.grid_s
     if not isinstance(request, StereoRequest):
         # A window as short as the scan is met too.
         opening_s = elapsed_s(request.window_start or session.epoch_utc, session.epoch_utc)
         opening_s = math.ceil(opening_s / COMMAND_STEP_S - 1e-6) * COMMAND_STEP_S
-        grid_s = np.union1d(np.arange(0.0, session.duration_s, apart_s), [opening_s])
-        yield WHOLE, grid_s if asked_s is None else asked_s
-        return
+        starts_s = np.union1d(np.arange(0.0, session.duration_s, grid_s(session)), [opening_s])
+        if asked_s is None:
+            return [starts_s] * len(orders[0])
+        return [asked_s, *[starts_s[starts_s > asked_s]] * (len(orders[0]) - 1)]
     [[arc]], mode = orders, request.as_mode()
     assert isinstance(mode, StereoMode)
     effort.charge(OPTIONS.point_at_tick * session.duration_s / COMMAND_STEP_S)
     if mode.gap_s is not None:
         passing_s = elapsed_s(mode.in_pass(session.window).start_utc, session.epoch_utc)
         first_s = np.array([passing_s]) if asked_s is None else asked_s
-        second_s = first_s + _on_ticks(mode.gap_s)
-    else:
-        steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
-        shares = mode.looks if asked_s is None else mode.looks[1:]
-        *early_s, second_s = (
-            _on_ticks(start_s) + steps * COMMAND_STEP_S * OPTIONS.stereo_step_ticks
-            for start_s, _ in mode.look_starts_s(arc.path, session.window, shares)
-        )
-        first_s = early_s[0] if asked_s is None else asked_s
-    yield OPENS, first_s
-    yield COMPLETES, second_s
+        return first_s, first_s + _on_ticks(mode.gap_s)
+    steps = np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
+    shares = mode.looks if asked_s is None else mode.looks[1:]
+    *early_s, second_s = (
+        _on_ticks(start_s) + steps * COMMAND_STEP_S * OPTIONS.stereo_step_ticks
+        for start_s, _ in mode.look_starts_s(arc.path, session.window, shares)
+    )
+    return early_s[0] if asked_s is None else asked_s, second_s
 
 
 def _on_ticks(t_s: ArrayLike) -> Array:
@@ -178,61 +186,25 @@ def _on_ticks(t_s: ArrayLike) -> Array:
 
 
 def _from_starts(
-    arcs: list[GroundArc],
-    starts_s: Array,
-    number_part: tuple[int, int],
-    request: Request,
-    session: ImagingSession,
-) -> Iterator[Candidate]:
-    """The arcs one after another from every start where all are within the camera's angles."""
+    arc: GroundArc, starts_s: Array, request: Request, session: ImagingSession
+) -> Iterator[tuple[ScanStarts, Mask]]:
+    """From every start from which it is within the camera's angles, if any, and whether the body
+    can then follow it within its limits."""
     window = session.window
     first_s = elapsed_s(request.window_start or window.start_utc, window.start_utc)
     first_s = max(first_s - OPTIONS.rounding_s, session.slews.settle_s)
     last_s = elapsed_s(request.window_stop or window.stop_utc, window.start_utc)
     last_s = min(last_s + OPTIONS.rounding_s, session.duration_s)
-    t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
-    begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
-    is_held = np.ones(len(starts_s), dtype=bool)
-    exit_states: Array | None = None
-    for arc in arcs:
-        effort.charge(OPTIONS.arc_at_start * len(t_s))
-        if exit_states is not None:
-            t_s = _after_slew_s(exit_states, t_s, arc, session)
-        kept = np.flatnonzero((t_s >= first_s) & (t_s + arc.scan_s <= last_s))
-        in_reach, along_rad = _in_reach(arc, t_s[kept], session)
-        kept = kept[in_reach]
-        if not kept.size:
-            return
-        begins_s = np.vstack([begins_s[:, kept], t_s[kept]])
-        tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
-        effort.charge(OPTIONS.held * len(kept))
-        is_held = is_held[kept] & session.holds(arc, t_s[kept])
-        t_s = t_s[kept] + arc.scan_s
-        exit_states = session.ends(arc, begins_s[-1], arc.scan_s)
-    assert exit_states is not None
-    entry_states = session.entries(arcs[0], begins_s[0])
-    for k in range(len(t_s)):
-        yield Candidate(
-            request=number_part[0],
-            part=number_part[1],
-            arcs=tuple(
-                replace(arc, start_s=float(begin_s))
-                for arc, begin_s in zip(arcs, begins_s[:, k], strict=True)
-            ),
-            entry_state=entry_states[k],
-            exit_state=exit_states[k],
-            tilt_rad=float(tilt_rad[k]),
-            is_held=bool(is_held[k]),
-        )
-
-
-def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
-    """Starts of the next arc, by slews that leave the scans before at t_s."""
-    starts_s = t_s + OPTIONS.slew_guess_s
-    for _ in range(OPTIONS.slew_rounds):
-        entry_states = session.entries(arc, np.clip(starts_s, 0.0, session.duration_s))
-        starts_s = t_s + session.slews.ticks(exit_states, entry_states) * COMMAND_STEP_S
-    return np.asarray(starts_s)
+    effort.charge(OPTIONS.arc_at_start * len(starts_s))
+    t_s = starts_s[(starts_s >= first_s) & (starts_s + arc.scan_s <= last_s)]
+    in_reach, tilt_rad = _in_reach(arc, t_s, session)
+    t_s, off_rad = t_s[in_reach], tilt_rad[in_reach]
+    effort.charge(OPTIONS.held * len(t_s))
+    if len(t_s):
+        if isinstance(request, StereoRequest):  # the angle asked for is in their middle
+            off_rad = np.abs(off_rad - np.median(off_rad))
+        entries, exits = session.entries(arc, t_s), session.ends(arc, t_s, arc.scan_s)
+        yield ScanStarts(arc, t_s, entries, exits, off_rad), session.holds(arc, t_s)
 
 
 def _in_reach(arc: GroundArc, t_s: Array, session: ImagingSession) -> tuple[Mask, Array]:
@@ -248,7 +220,7 @@ def _in_reach(arc: GroundArc, t_s: Array, session: ImagingSession) -> tuple[Mask
     return in_reach, tilt_rad
 
 
-def _too_fast(refused: list[Candidate], number: int, session: ImagingSession) -> InfeasibleSlew:
+def _too_fast(refused: list[GroundArc], number: int, session: ImagingSession) -> InfeasibleSlew:
     """By the limit that the scan lacks most of which lacks least."""
     gyros, name = session.platform.gyros, session.request.requests[number].name
     assert gyros is not None  # as of every body of this front
@@ -269,17 +241,32 @@ def _too_fast(refused: list[Candidate], number: int, session: ImagingSession) ->
     )
 
 
-def _used_shares(refused: Candidate, session: ImagingSession) -> Array:
-    """The largest of rate, torque and torque rate along its scans, of those there are, (3,)."""
-    limits, shares = agility_limits(session.platform).inscribed, np.zeros((1, 3))
-    for arc in refused.arcs:
-        effort.charge(OPTIONS.told)
-        after_s = np.linspace(-session.slews.settle_s, arc.duration_s, OPTIONS.told_at)
-        states = session.ends(arc, np.full(OPTIONS.told_at, arc.start_s), after_s)
-        omega, alpha = states[:, 4:7], states[:, 7:10]
-        body = BodyMotion(omega, alpha, np.gradient(alpha, after_s, axis=0))
-        shares = np.vstack([shares, limits.shares(body)])
-    return np.asarray(shares.max(axis=0))
+def _used_shares(arc: GroundArc, session: ImagingSession) -> Array:
+    """The largest of rate, torque and torque rate along a scan, of those there are, (3,)."""
+    effort.charge(OPTIONS.told)
+    after_s = np.linspace(-session.slews.settle_s, arc.duration_s, OPTIONS.told_at)
+    states = session.ends(arc, np.full(OPTIONS.told_at, arc.start_s), after_s)
+    omega, alpha = states[:, 4:7], states[:, 7:10]
+    body = BodyMotion(omega, alpha, np.gradient(alpha, after_s, axis=0))
+    return np.asarray(agility_limits(session.platform).inscribed.shares(body).max(axis=0))
+
+
+def require_together(
+    options: list[ScanStarts],
+    session: ImagingSession,
+    fit: Callable[[list[ScanStarts]], bool],
+) -> None:
+    """Refuse a request whose looks, each of which can be imaged, can't all be.
+
+    fit: whether some times of theirs have the slews between.
+    """
+    settle_s, number = session.slews.settle_s, options[0].arc.request
+    looks_s = {one.look: settle_s + one.arc.scan_s for one in options}
+    first_s = min(one.starts_s[0] for one in options) - settle_s
+    last_s = max(one.stops_s[-1] for one in options)
+    if len(looks_s) > 1 and (sum(looks_s.values()) > last_s - first_s or not fit(options)):
+        request = session.request.requests[number]
+        raise _never_seen(request, number, scan_orders(request, session)[0], session)
 
 
 def _never_seen(

@@ -1,16 +1,14 @@
 """The best choice found of requests to image, their times and order, its slews, and its bound.
 
-A path through candidates in order of time, worth the priorities of the requests it fulfils, found
-by `label_search` with slew times that suffice, and bounded by it with times that none can beat, as
-in campaigns.  The two looks of a stereo pair are candidates of their own; only the second earns,
-and only after the first.  A choice holds once every slew in it is found.
-Source: Peng et al. 2020 (agile satellites).
+Chosen as the looks of one pass of a campaign, at slew times that suffice, and bounded by it with
+times that none can beat.  Of a request all looks are imaged or none, in any order.  A choice holds
+once every slew in it is found.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+import math
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -19,27 +17,20 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.compiled import compiled
 from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew, Refusal, SearchEnded, Unreachable
-from planner.planning import label_search
-from planner.planning.campaigns.platforms.slew_fits import NECESSARY, SUFFICIENT
-from planner.planning.label_search import (
-    COMPLETES,
-    OPENS,
-    WHOLE,
-    LabelMemory,
-    Repeats,
-    Round,
-    Visit,
-    best,
-    follow,
-    no_labels,
-    rounds,
-    visit,
+from planner.base.reporting import tell_nobody
+from planner.planning.campaigns import choice as campaigns
+from planner.planning.campaigns.network import Network, Rests, Slewing, network_of, relax
+from planner.planning.campaigns.path import best_path
+from planner.planning.campaigns.ways import Ways
+from planner.spacecraft.imaging.candidates import (
+    ScanStarts,
+    candidates,
+    grid_s,
+    require_together,
 )
-from planner.spacecraft.imaging.candidates import Candidate, candidates
-from planner.spacecraft.imaging.session import ImagingSession, Slews
+from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.imaging.timeline import DoesNotFit, Timeline, build_timeline
 from planner.spacecraft.requests import LeftOut
 
@@ -48,9 +39,8 @@ from planner.spacecraft.requests import LeftOut
 class ChoiceOptions:
     """What a choice and its bound may take, and how it is revised where a slew isn't found."""
 
-    pair: float = 0.3  # of `effort`
-    wait_ticks: int = 10  # of the chain of idle instants: 2 s, little beside a slew to them
-    bound_labels_max: int = 2_000_000  # no round of the bound is begun after so many: 2 s
+    fit: float = 0.01  # of `effort`: to look whether a slew fits, of those that there may be
+    off: float = 1e-4  # of a look's worth, for each radian off its best angle: of equals the best
     bound_share: float = 0.3  # of what work is left: the rest is for flights
     more_s: tuple[float, float, float] = (4.0, 2.0, 0.8)  # for every slew, tried in this order
     tries: int = 3  # of a request, before others are imaged in its place
@@ -60,6 +50,11 @@ class ChoiceOptions:
 
 
 OPTIONS = ChoiceOptions()
+# Of a campaign whose one pass is all there is: with so many labels 100 strips in 1,200 s are worth
+# 3 % more, in half a second; 30,000 orders took 100 s and found no more than 300.
+ONE_PASS = replace(
+    campaigns.OPTIONS, exact_labels_max=4_000_000, pass_labels_max=2_000_000, pass_orders=300
+)
 
 
 class LooksTooClose(InfeasibleSlew):
@@ -77,41 +72,49 @@ class LooksTooClose(InfeasibleSlew):
         )
 
 
-def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut, ...]]:
-    """Candidates by their start that can be turned to from the session's and back before its end.
+def options_of(session: ImagingSession) -> tuple[list[ScanStarts], tuple[LeftOut, ...]]:
+    """Scans that can be turned to from the session's start and back before its end.
 
     Raises the first request's refusal when there is none of any.
     """
-    options: list[Candidate] = []
+    options: list[ScanStarts] = []
     left_out: list[LeftOut] = []
     refusal: Refusal | None = None
     for number, request in enumerate(session.request.requests):
         try:
             effort.charge(OPTIONS.request)
-            options += _within_session(candidates(request, number, session), number, session)
+            own = _within_session(candidates(request, number, session), number, session)
+            require_together(own, session, lambda scans: bool(choose(scans, session).chosen))
+            options += own
         except (Unreachable, InfeasibleSlew) as why:
             refusal = refusal or why
             left_out.append(LeftOut(name=request.name, reason=why.detail))
     if not options and refusal is not None:
         raise refusal
-    return sorted(options, key=lambda one: one.arcs[0].first_row), tuple(left_out)
+    return options, tuple(left_out)
 
 
 def _within_session(
-    options: list[Candidate], number: int, session: ImagingSession
-) -> list[Candidate]:
-    slews, count = session.slews, len(options)
-    starts_s, stops_s, parts = np.array([(one.start_s, one.stop_s, one.part) for one in options]).T
+    options: list[ScanStarts], number: int, session: ImagingSession
+) -> list[ScanStarts]:
+    slews, counts = session.slews, [len(one.starts_s) for one in options]
+    starts_s, stops_s, entries, exits = (
+        np.concatenate(parts)
+        for parts in zip(
+            *((one.starts_s, one.stops_s, one.entry_states, one.exit_states) for one in options),
+            strict=True,
+        )
+    )
+    looks = np.repeat([one.arc.look for one in options], counts)
     leaving_s = np.maximum(starts_s - OPTIONS.rest_before_s, 0.0)
     back_by_s = np.minimum(stops_s + OPTIONS.rest_before_s, session.duration_s)
-    idle = session.ends(None, np.append(leaving_s, back_by_s), 0.0)
-    entries, exits = _end_states(options)
-    there_s = slews.ticks(idle[:count], entries) * COMMAND_STEP_S
+    before, after = np.split(session.ends(None, np.append(leaving_s, back_by_s), 0.0), 2)
+    there_s = slews.ticks(before, entries) * COMMAND_STEP_S
     if (initial := session.initial_state) is not None:
-        there_s += slews.ticks(np.tile(initial, (count, 1)), idle[:count]) * COMMAND_STEP_S
-    back_s = slews.ticks(exits, idle[count:]) * COMMAND_STEP_S - slews.settle_s
+        there_s += slews.ticks(np.tile(initial, (len(before), 1)), before) * COMMAND_STEP_S
+    back_s = slews.ticks(exits, after) * COMMAND_STEP_S - slews.settle_s
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
-    lacking = np.flatnonzero(~np.isin(parts, parts[fits]))  # half a pair is no image
+    lacking = np.flatnonzero(~np.isin(looks, looks[fits]))  # half a pair is no image
     if lacking.size:
         k = int(lacking[0])
         raise InfeasibleSlew(
@@ -122,63 +125,107 @@ def _within_session(
             field=f"requests.{number}",
             limit="time",
         )
-    # Of a stereo pair some second look has to be in reach of a first one.
-    second, first = map(
-        np.ravel, np.meshgrid(*(np.flatnonzero(fits & (parts == p)) for p in (COMPLETES, OPENS)))
-    )
-    if first.size:
+    if session.request.requests[number].mode == "stereo":
+        # Some second look has to be in reach of a first one.
+        second, first = map(
+            np.ravel, np.meshgrid(*(np.flatnonzero(fits & (looks == look)) for look in (1, 0)))
+        )
         needed_s = COMMAND_STEP_S * slews.ticks(exits[first], entries[second])
         between_s = starts_s[second] - stops_s[first]
         k = int(np.argmax(between_s - needed_s))
         if needed_s[k] > between_s[k] + 0.5 * COMMAND_STEP_S:
             gap_s = float(starts_s[second[k]] - starts_s[first[k]])
             raise LooksTooClose(number, gap_s, gap_s - between_s[k], needed_s[k])
-    return [option for option, fit in zip(options, fits, strict=True) if fit]
+    kept = zip(options, np.split(fits, np.cumsum(counts)[:-1]), strict=True)
+    return [one.only(fit) for one, fit in kept if fit.any()]
 
 
-def _end_states(options: Sequence[Candidate]) -> tuple[Array, Array]:
-    """Entries and exits, (n, 11) each."""
-    entries = np.array([option.entry_state for option in options])
-    return entries, np.array([option.exit_state for option in options])
+class Imaging(NamedTuple):
+    """Scans as the looks of one pass.
+
+    runs: of each way its first step, its scan's starts, and which of these follow step after step.
+    requests: of each look, (looks,).
+    """
+
+    runs: list[tuple[int, ScanStarts, Indices]]
+    requests: Indices
+    least_steps: Indices
+    ways: Ways
+    slewing: Slewing
+    network: Network
+    looking: campaigns.Looking
+
+    def relaxed(self) -> Network:
+        """At slew times that nothing can beat, and the best views."""
+        relaxed = relax(self.network, self.ways, self.least_steps, self.slewing)
+        return relaxed._replace(quality_sum=np.arange(relaxed.size, dtype=np.float64))
+
+    def greedy_requests(self, priorities: Sequence[float]) -> set[int]:
+        """By priority, each where those before it leave room."""
+        taken: list[int] = []
+        for request in np.argsort(-np.array(priorities), kind="stable").tolist():
+            trial = np.isin(self.requests, [*taken, request])
+            price = np.where(trial, -1.0 - sum(priorities), np.inf)
+            path = best_path(self.network, self.looking.less_prices(price))
+            if request in self.requests and len(path.looks) == np.count_nonzero(trial):
+                taken.append(request)
+        return set(taken)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """Candidates in order of time, and how good the choice of them is.
+    """Scans in order of time, and how good the choice of them is.
 
-    value: sum of priorities fulfilled.  greedy_value: of taking requests by priority, each at the
-    first moment that fits.
+    value: sum of priorities fulfilled.  greedy_value: of taking requests by priority, each where
+    those before it leave room.  price, imaging: for the bound.
     """
 
-    chosen: tuple[Candidate, ...] = ()
+    chosen: tuple[GroundArc, ...] = ()
     value: float = 0.0
     greedy_value: float = 0.0
+    price: Array | None = None
+    imaging: Imaging | None = None
 
     @property
     def requests(self) -> frozenset[int]:
         """Theirs."""
         return frozenset(one.request for one in self.chosen)
 
+    def bound(self, priorities: Sequence[float]) -> float:
+        """No choice of the same scans is worth more, whatever its slews."""
+        assert self.imaging is not None
+        assert self.price is not None
+        least = _worth(set(self.imaging.requests.tolist()), priorities)
+        if least > self.value and effort.remaining() > 0.0:
+            with at_most(OPTIONS.bound_share * effort.remaining()):
+                relaxed, looking = self.imaging.relaxed(), self.imaging.looking
+                least = min(least, campaigns.bound_at([relaxed], looking, self.price, ONE_PASS))
+        return max(least, self.value)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Chosen:
-    """What is imaged, with its slews, and why the rest of what could be seen is not."""
+    """What is imaged, with its slews, and why the rest of what could be seen is not.
 
+    first: what was chosen before slews were found, for the bound.
+    """
+
+    first: Choice
     choice: Choice
     timeline: Timeline
     left_out: tuple[LeftOut, ...] = ()
 
 
 def choose_and_slew(
-    session: ImagingSession, options: Sequence[Candidate], *, refine: bool
+    session: ImagingSession, options: Sequence[ScanStarts], *, refine: bool
 ) -> Chosen:
     """The choice and its timeline.  Where all that can be seen fits and it is to be refined, smooth
     slews share the time left over, as a slower slew shakes the structure less.
 
     Raises InfeasibleSlew where nothing fits.
     """
-    first, found = choose(options, session.priorities, session.slews), None
-    is_all = first.requests == {option.request for option in options}
+    first, found = choose(options, session), None
+    is_all = first.requests == {one.arc.request for one in options}
     if refine and is_all and session.request.objective == "smooth":
         with at_most(OPTIONS.gentler_share * effort.remaining()):
             found = _gentler(session, first)
@@ -193,18 +240,18 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
     for more_s in OPTIONS.more_s:
         longer = replace(session, slews=replace(session.slews, more_s=more_s))
         with suppress(Unreachable, InfeasibleSlew, SearchEnded, DoesNotFit):
-            choice = choose(options_of(longer)[0], longer.priorities, longer.slews)
+            choice = choose(options_of(longer)[0], longer)
             if choice.value >= first.value:
                 timeline = build_timeline(longer, choice.chosen)
                 choice = replace(choice, greedy_value=first.greedy_value)
-                return Chosen(choice=choice, timeline=timeline)
+                return Chosen(first=first, choice=choice, timeline=timeline)
     return None
 
 
-def _fitting(session: ImagingSession, options: Sequence[Candidate], first: Choice) -> Chosen:
+def _fitting(session: ImagingSession, options: Sequence[ScanStarts], first: Choice) -> Chosen:
     """The choice with its slews; where one isn't found, another choice without the scan at fault,
     after some tries without its request."""
-    choice, seen = first, {option.request for option in options}
+    choice, seen = first, {one.arc.request for one in options}
     refused: dict[int, list[str]] = {}  # requests, and why
     why: Refusal = InfeasibleSlew("the slews between its scans don't fit", limit="time")
     while choice.chosen:
@@ -212,15 +259,16 @@ def _fitting(session: ImagingSession, options: Sequence[Candidate], first: Choic
             timeline = build_timeline(session, choice.chosen)
             break
         except DoesNotFit as misfit:
-            at_fault, why = misfit.candidate, misfit.why
+            at_fault, why = misfit.arc, misfit.why
         refused.setdefault(at_fault.request, []).append(why.detail)
         is_over = len(refused[at_fault.request]) >= OPTIONS.tries
+        look = at_fault.request, at_fault.look
         options = [
-            one
+            one.only((one.starts_s != at_fault.start_s) | (one.look != look))
             for one in options
-            if one is not at_fault and not (is_over and one.request == at_fault.request)
+            if not (is_over and one.arc.request == at_fault.request)
         ]
-        choice = choose(options, session.priorities, session.slews)
+        choice = choose(options, session)
     else:
         raise InfeasibleSlew(why.detail, field="requests", limit=why.limit)
     requests = session.request.requests
@@ -230,168 +278,108 @@ def _fitting(session: ImagingSession, options: Sequence[Candidate], first: Choic
         for number in sorted(seen - choice.requests)
     )
     choice = replace(choice, greedy_value=min(first.greedy_value, choice.value))
-    return Chosen(choice=choice, timeline=timeline, left_out=left_out)
+    return Chosen(first=first, choice=choice, timeline=timeline, left_out=left_out)
 
 
-class Imaging(NamedTuple):
-    """Candidates by their start, (n,) each, and which can follow which.
-
-    priority: what imaging each adds to a choice's value, nothing for the first of a stereo pair.
-    first (n + 1,): candidate j can directly follow before[first[j]] to before[first[j + 1]].
-    reach_ticks: so long after a candidate's stop any other can be begun.
-    """
-
-    start_tick: Indices
-    stop_tick: Indices
-    request: Indices
-    part: Indices
-    priority: Array
-    first: Indices
-    before: Indices
-    reach_ticks: int
-
-    def with_first(self, placed: list[int], options: Iterable[int]) -> list[int] | None:
-        """Those placed and the first of the options for whose slews they leave the time."""
-        for k in options:
-            near = [*[i for i in placed if i < k][-1:], k, *[j for j in placed if j > k][:1]]
-            if all(
-                self.start_tick[j] - self.stop_tick[i] >= self.reach_ticks
-                or i in self.before[self.first[j] : self.first[j + 1]]
-                for i, j in pairwise(near)
-            ):
-                return sorted([*placed, k])
-        return None
-
-
-def choose(options: Sequence[Candidate], priorities: Sequence[float], slews: Slews) -> Choice:
-    """The best choice of candidates by their start for slew times that suffice, if labels last."""
+def choose(options: Sequence[ScanStarts], session: ImagingSession) -> Choice:
+    """The best choice found of scans for slew times that suffice."""
+    seen = {one.look for one in options if len(one.starts_s)}
+    halves = {one.arc.request for one in options if one.look not in seen}
+    options = [one for one in options if len(one.starts_s) and one.arc.request not in halves]
     if not options:
         return Choice()
-    imaging = _made_ready(options, priorities, slews, SUFFICIENT)
-    greedy = most = _greedy(imaging, priorities)
-    for one in _rounds(imaging):
-        most = max(most, _without_repeats(imaging, one.visits[:, 0].tolist()), key=itemgetter(0))
-        if one.value <= most[0]:
-            break
-    value, path = most
-    chosen = tuple(options[k] for k in _less_tilted(options, imaging, path))
-    return Choice(chosen=chosen, value=value, greedy_value=greedy[0])
-
-
-def bound_of(
-    options: Sequence[Candidate], priorities: Sequence[float], slews: Slews, value: float
-) -> float:
-    """No choice of these candidates is worth more, whatever its slews; value: of one of them."""
-    least = float(sum(priorities[request] for request in {one.request for one in options}))
-    if least > value and effort.remaining() > 0.0:
-        with at_most(OPTIONS.bound_share * effort.remaining()):
-            imaging = _made_ready(options, priorities, slews, NECESSARY)
-            for one in _rounds(imaging, OPTIONS.bound_labels_max):
-                least = min(least, label_search.bound([one]))
-                if least <= value or effort.remaining() <= 0.0:
-                    break
-    return max(least, value)
-
-
-def _made_ready(
-    options: Sequence[Candidate], priorities: Sequence[float], slews: Slews, sign: float
-) -> Imaging:
-    """sign: of the slew times, as of `slew_fits`."""
-    start_tick = np.array([c.arcs[0].first_row for c in options])
-    stop_tick = np.array([c.arcs[-1].last_row for c in options])
-    entries, exits = _end_states(options)
-    before: list[Indices] = []
-    for j, tick in enumerate(start_tick):
-        ticks = tick - stop_tick
-        # Beyond, it is followed by way of an idle instant.
-        i = np.flatnonzero((ticks > 0) & (ticks < slews.widest_ticks + OPTIONS.wait_ticks))
-        effort.charge(OPTIONS.pair * len(i))
-        entry = np.repeat(entries[j : j + 1], len(i), axis=0)
-        before.append(i[slews.fit(exits[i], entry, ticks[i], sign)])
-    return Imaging(
-        start_tick=start_tick,
-        stop_tick=stop_tick,
-        request=np.array([c.request for c in options]),
-        part=np.array([c.part for c in options]),
-        priority=np.array([0.0 if c.part == OPENS else priorities[c.request] for c in options]),
-        first=np.cumsum([0, *map(len, before)]),
-        before=np.concatenate(before),
-        reach_ticks=slews.widest_ticks,
+    imaging, priorities = _made_ready(options, session), session.priorities
+    found = campaigns.choose(
+        [imaging.network], imaging.looking, tell_nobody, lambda _: None, ONE_PASS
+    )
+    looks = [(*imaging.runs[look.way], look.first_step) for look in found.passes[0]]
+    chosen = tuple(one.begun(run[step - first]) for first, one, run, step in looks)
+    value = _worth({one.request for one in chosen}, priorities)
+    return Choice(
+        chosen=chosen,
+        value=value,
+        greedy_value=min(_worth(imaging.greedy_requests(priorities), priorities), value),
+        price=found.price,
+        imaging=imaging,
     )
 
 
-def _rounds(
-    imaging: Imaging, labels_max: int = label_search.OPTIONS.search_labels_max
-) -> Iterator[Round]:
-    longest_ticks = int(np.max(imaging.stop_tick - imaging.start_tick))
-    leap_ticks = longest_ticks + imaging.reach_ticks + 2 * OPTIONS.wait_ticks
-    stereo = np.unique(imaging.request[imaging.part != WHOLE]).tolist()
-    ticks, things = imaging.start_tick, int(imaging.request.max()) + 1
-    repeats = Repeats(things, imaging.request, ticks, ticks, leap_ticks, stereo)
-    return rounds(
-        lambda memory: Round(*_label_paths(imaging, memory, OPTIONS.wait_ticks)),
-        repeats,
-        labels_max,
+def _worth(requests: Iterable[int], priorities: Sequence[float]) -> float:
+    return float(sum(priorities[request] for request in requests))
+
+
+def _made_ready(options: Sequence[ScanStarts], session: ImagingSession) -> Imaging:
+    slews, step_s = session.slews, grid_s(session)
+    reach_steps = math.ceil(slews.widest_ticks * COMMAND_STEP_S / step_s) + 1
+    held_s = {one.look: slews.settle_s + one.arc.scan_s for one in options}
+    numbers = {look: number for number, look in enumerate(held_s)}
+    least_steps = np.array([math.ceil(lasts_s / step_s - 1e-9) for lasts_s in held_s.values()])
+    runs: list[tuple[int, ScanStarts, Indices]] = []
+    for one in options:
+        entered_s = one.starts_s - slews.settle_s
+        steps = np.floor(entered_s / step_s + 1e-6).astype(np.intp)
+        ticks = np.round((entered_s - steps * step_s) / COMMAND_STEP_S)
+        order = np.lexsort((steps, ticks))
+        cuts = np.flatnonzero((np.diff(steps[order]) != 1) | (np.diff(ticks[order]) != 0)) + 1
+        # By so much all steps are later that who rests before them can reach any way.
+        runs += [(int(steps[run[0]]) + reach_steps, one, run) for run in np.split(order, cuts)]
+    runs.sort(key=itemgetter(0))
+    columns = []
+    for first, one, run in runs:
+        least = int(least_steps[numbers[one.look]])
+        late_s = one.starts_s[run[0]] - slews.settle_s - (first - reach_steps) * step_s
+        spare_s = least * step_s - late_s - held_s[one.look], late_s - slews.more_s
+        none = np.full((least, one.entry_states.shape[1]), np.nan)
+        middle = np.clip(np.arange(len(run) + least) - least // 2, 0, len(run) - 1)
+        columns.append(
+            (
+                numbers[one.look],
+                first,
+                len(run) + least,
+                spare_s,
+                np.concatenate([none, one.exit_states[run]]),
+                np.concatenate([one.entry_states[run], none]),
+                1.0 - OPTIONS.off * one.off_rad[run][middle],
+            )
+        )
+    target, first_step, steps, spares_s = (
+        np.array([column[k] for column in columns]) for k in range(4)
     )
-
-
-@compiled
-def _label_paths(
-    imaging: Imaging, memory: LabelMemory, wait_ticks: int
-) -> tuple[float, Indices, int, bool]:
-    """A `Round`.  Places: candidates, then idle instants; visits are numbered by candidate."""
-    n = len(imaging.start_tick)
-    end = int(imaging.stop_tick.max()) + imaging.reach_ticks + 2 * wait_ticks
-    labels = no_labels(n + end // wait_ticks + 2, n, memory)
-    now = 0
-    for j in range(n):
-        start_tick = imaging.start_tick[j]
-        while (now + 1) * wait_ticks <= start_tick:
-            now += 1
-            mask = memory.tick_mask[now * wait_ticks]
-            follow(labels, n + now - 1, (n + now,), mask, False)
-        made = Visit(j, imaging.request[j], imaging.part[j], imaging.priority[j], start_tick)
-        visit(labels, (n + now,), j, memory, made)
-        visit(labels, imaging.before[imaging.first[j] : imaging.first[j + 1]], j, memory, made)
-        free = (imaging.stop_tick[j] + imaging.reach_ticks + wait_ticks - 1) // wait_ticks
-        follow(labels, j, (n + free,), memory.every, False)
-    value, visits, count, is_complete = best(labels, (0, n))
-    return max(value, 0.0), visits, count, is_complete
-
-
-def _without_repeats(imaging: Imaging, path: list[int]) -> tuple[float, list[int]]:
-    """The path with later repeats and halves of pairs left out.
-
-    What remains stays flyable, the gaps only grow.
-    """
-    first: dict[tuple[int, int], int] = {}
-    for k in path:
-        first.setdefault((int(imaging.request[k]), int(imaging.part[k])), k)
-    done = {request for request, part in first if part != OPENS}
-    kept = [k for (request, _), k in first.items() if request in done]
-    return float(sum(imaging.priority[k] for k in kept)), kept
-
-
-def _greedy(imaging: Imaging, priorities: Sequence[float]) -> tuple[float, list[int]]:
-    """Requests by falling priority, each at the first time that fits between those placed."""
-    placed: list[int] = []
-    for request in sorted(range(len(priorities)), key=lambda r: -priorities[r]):
-        trial: list[int] | None = placed
-        parts = np.unique(imaging.part[imaging.request == request])
-        for part in parts:
-            options = np.flatnonzero((imaging.request == request) & (imaging.part == part))
-            trial = None if trial is None else imaging.with_first(trial, options.tolist())
-        placed = trial if trial and OPENS not in parts[-1:] else placed  # half a pair is no image
-    return _without_repeats(imaging, placed)
-
-
-def _less_tilted(options: Sequence[Candidate], imaging: Imaging, path: list[int]) -> list[int]:
-    """The same requests, each moved to where it is seen from nearest overhead among its free
-    neighbours; stereo looks stay."""
-    tilt_rad = np.array([one.tilt_rad for one in options])
-    for k in list(path):
-        if imaging.part[k] == WHOLE:
-            same = np.flatnonzero(imaging.request == imaging.request[k])
-            nearest = same[np.argsort(tilt_rad[same], kind="stable")].tolist()
-            path = imaging.with_first([one for one in path if one != k], nearest) or path
-    return path
+    states, begin_states, quality = (
+        np.concatenate([column[k] for column in columns]) for k in range(4, 7)
+    )
+    ways = Ways(
+        step_s=step_s,
+        target=target,
+        pass_number=np.zeros_like(target),
+        first_step=first_step,
+        steps=steps,
+        offset=np.cumsum(steps) - steps,
+        states=states,
+        quality=quality,
+        scanned=np.ones(len(target), np.bool_),
+        begin_states=begin_states,
+        look=np.arange(len(target)),
+        spare_s=spares_s,
+    )
+    # The options are those that leave time for slews from rest before all, and to it after all.
+    rests = Rests(start_state=states[-1], stop_state=states[-1], stop_s=math.inf)
+    slewing = Slewing(slews.limits[0], rests, reach_steps * step_s)
+    near = np.abs(first_step[:, None] - first_step) < steps + reach_steps
+    effort.charge(OPTIONS.fit * float(steps @ near @ np.minimum(steps, reach_steps)))
+    requests = np.array([request for request, _ in numbers])
+    share = np.array(session.priorities)[requests] / np.bincount(requests)[requests]
+    several = np.bincount(requests)[requests] > 1
+    names, group = np.unique(requests[several], return_inverse=True)
+    looking = campaigns.Looking(
+        length_steps=least_steps[:, None],
+        look_value=share[:, None],
+        look_limit=np.ones(len(requests)),
+        group=np.full(len(requests), -1),
+        way_to=np.arange(len(names)),
+        way_limit=np.ones(len(names)),
+        settle_steps=np.zeros(1, np.intp),
+    )
+    looking.group[several] = group
+    network = network_of(ways, ways.look, least_steps, slewing)
+    return Imaging(runs, requests, least_steps, ways, slewing, network, looking)

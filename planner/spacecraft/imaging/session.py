@@ -39,13 +39,16 @@ _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
 
 @dataclass(frozen=True, kw_only=True)
 class GroundArc:
-    """An arc over the ground, scanned from `start_s` on.
+    """An arc over the ground, scanned from `start_s` on: a strip, look or leg of a request, by its
+    number.
 
     path: of the line plane.  start_s: seconds since the session's epoch when its first point is
     under the slit.  backwards: the detector runs in its other sense (X against the motion).
     """
 
     path: GroundPathTarget
+    request: int = 0
+    look: int = 0
     start_s: float = 0.0
     backwards: bool = False
 
@@ -89,7 +92,7 @@ class Slews:
     more_s: float = 0.0
 
     @cached_property
-    def _limits(self) -> tuple[FollowerLimits, float]:
+    def limits(self) -> tuple[FollowerLimits, float]:
         return slew_limits(self.platform)
 
     @property
@@ -100,38 +103,26 @@ class Slews:
     @property
     def widest_ticks(self) -> int:
         """The most from any scan's end to another's begin."""
-        return math.ceil((self._limits[1] + self.settle_s + self.more_s) / COMMAND_STEP_S)
-
-    def fit(
-        self, exit_states: Array, entry_states: Array, ticks: Indices, sign: float = SUFFICIENT
-    ) -> Mask:
-        """Whether so many ticks from each of n scans' ends to its counterpart's begin suffice;
-        sign: as of `slew_fits`."""
-        left_s = np.asarray(ticks * COMMAND_STEP_S - self.settle_s - self.more_s + 1e-9, np.float64)
-        return np.asarray(_fit(exit_states, entry_states, self._limits[0], sign, left_s))
+        return math.ceil((self.limits[1] + self.settle_s + self.more_s) / COMMAND_STEP_S)
 
     def ticks(self, exit_states: Array, entry_states: Array) -> Indices:
-        """Whole ticks that suffice from each of n ends to its counterpart."""
+        """Whole ticks that suffice from each of n scans' ends to its counterpart's begin."""
         too_few = np.zeros(len(exit_states), np.intp)
         enough = np.full_like(too_few, self.widest_ticks)
         while (enough - too_few).max(initial=0) > 1:
             middle = (too_few + enough) // 2
-            fits = self.fit(exit_states, entry_states, middle)
+            left_s = middle * COMMAND_STEP_S - self.settle_s - self.more_s + 1e-9
+            fits = _fit(exit_states, entry_states, self.limits[0], np.asarray(left_s, np.float64))
             too_few, enough = np.where(fits, too_few, middle), np.where(fits, middle, enough)
         return enough
 
 
 @compiled
-def _fit(
-    exit_states: Array,
-    entry_states: Array,
-    limits: FollowerLimits,
-    sign: float,
-    available_s: Array,
-) -> Mask:
-    fits = np.empty(len(available_s), np.bool_)
-    for k, most_s in enumerate(available_s):
-        fits[k] = most_s > 0.0 and slew_fits(exit_states[k], entry_states[k], limits, sign, most_s)
+def _fit(exit_states: Array, entry_states: Array, limits: FollowerLimits, left_s: Array) -> Mask:
+    fits = np.empty(len(left_s), np.bool_)
+    for k, most_s in enumerate(left_s):
+        start, end = exit_states[k], entry_states[k]
+        fits[k] = most_s > 0.0 and slew_fits(start, end, limits, SUFFICIENT, most_s)
     return fits
 
 

@@ -23,7 +23,6 @@ from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.planning.sessions.track_branches import seen_from_s
 from planner.spacecraft.found import AttitudeSlewReport
-from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.session import GroundArc, ImagingSession
 from planner.spacecraft.requests import ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
@@ -58,15 +57,15 @@ class Timeline:
 
 
 class DoesNotFit(Exception):
-    """A candidate whose scan isn't held, or the first onto which, or from the last of which, no
-    slew is found, and why."""
+    """A scan that isn't held, or the first onto which, or the last from which, no slew is found,
+    and why."""
 
-    def __init__(self, candidate: Candidate, why: Refusal) -> None:
+    def __init__(self, arc: GroundArc, why: Refusal) -> None:
         super().__init__(why.detail)
-        self.candidate, self.why = candidate, why
+        self.arc, self.why = arc, why
 
 
-def _scenario_of(session: ImagingSession, arcs: list[GroundArc], names: list[str]) -> Scenario:
+def _scenario_of(session: ImagingSession, arcs: Sequence[GroundArc], names: list[str]) -> Scenario:
     """Each scan a session of the body, on the same clock."""
     request = session.request
     usual_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
@@ -103,24 +102,22 @@ def _scenario_of(session: ImagingSession, arcs: list[GroundArc], names: list[str
     )
 
 
-def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Timeline:
+def build_timeline(session: ImagingSession, arcs: Sequence[GroundArc]) -> Timeline:
     """Scan in order of time, from orbital orientation or the request's initial attitude, and back.
 
     Raises DoesNotFit; SearchEnded, InfeasibleSlew where it is the initial attitude's fault.
     """
-    arcs = [arc for one in chosen for arc in one.arcs]
-    owners = [one for one in chosen for _ in one.arcs]
-    names = [session.request.requests[one.request].name for one in owners]
+    names = [session.request.requests[one.request].name for one in arcs]
     scenario, ephemeris = _scenario_of(session, arcs, names), session.ephemeris
     mover = mover_of(scenario)
     try:
         joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
     except SessionRefused as refused:
-        raise DoesNotFit(owners[refused.session.number], refused.refusal) from None
+        raise DoesNotFit(arcs[refused.session.number], refused.refusal) from None
     try:
         *onto, final = mover.with_final_slew(ephemeris, joins)
     except InfeasibleSlew as why:
-        raise DoesNotFit(owners[-1], why) from None
+        raise DoesNotFit(arcs[-1], why) from None
     if scenario.slew.objective == "minimum_time":
         onto = [
             _hastened(mover, ephemeris, *one) for one in zip(scenario.sessions, onto, strict=True)
@@ -131,11 +128,11 @@ def build_timeline(session: ImagingSession, chosen: Sequence[Candidate]) -> Time
         windows=tuple(
             ImagingWindow(
                 request=name,
-                look=names[:k].count(name),
-                first_row=arc.first_row,
-                last_row=arc.last_row,
+                look=one.look,
+                first_row=one.first_row,
+                last_row=one.last_row,
             )
-            for k, (name, arc) in enumerate(zip(names, arcs, strict=True))
+            for name, one in zip(names, arcs, strict=True)
         ),
     )
 
