@@ -21,8 +21,10 @@ from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew, Refusal, SearchEnded, Unreachable
 from planner.base.reporting import tell_nobody
 from planner.planning.campaigns import choice as campaigns
+from planner.planning.campaigns.looking import Looking
 from planner.planning.campaigns.network import Network, Rests, Slewing, network_of, relax
 from planner.planning.campaigns.path import best_path
+from planner.planning.campaigns.pricing import PricedPasses
 from planner.planning.campaigns.ways import Ways
 from planner.spacecraft.imaging.candidates import (
     ScanStarts,
@@ -153,7 +155,11 @@ class Imaging(NamedTuple):
     ways: Ways
     slewing: Slewing
     network: Network
-    looking: campaigns.Looking
+    looking: Looking
+
+    def priced(self, network: Network) -> PricedPasses:
+        """The pass by either of its networks; all scans can be held."""
+        return PricedPasses([network], [network], self.looking, lambda _: None)
 
     def relaxed(self) -> Network:
         """At slew times that nothing can beat, and the best views."""
@@ -198,8 +204,8 @@ class Choice:
         least = _worth(set(self.imaging.requests.tolist()), priorities)
         if least > self.value and effort.remaining() > 0.0:
             with at_most(OPTIONS.bound_share * effort.remaining()):
-                relaxed, looking = self.imaging.relaxed(), self.imaging.looking
-                least = min(least, campaigns.bound_at([relaxed], looking, self.price, ONE_PASS))
+                passes = self.imaging.priced(self.imaging.relaxed())
+                least = min(least, campaigns.bound_at(passes, self.price, ONE_PASS))
         return max(least, self.value)
 
 
@@ -289,9 +295,7 @@ def choose(options: Sequence[ScanStarts], session: ImagingSession) -> Choice:
     if not options:
         return Choice()
     imaging, priorities = _made_ready(options, session), session.priorities
-    found = campaigns.choose(
-        [imaging.network], imaging.looking, tell_nobody, lambda _: None, ONE_PASS
-    )
+    found = campaigns.choose(imaging.priced(imaging.network), tell_nobody, ONE_PASS)
     looks = [(*imaging.runs[look.way], look.first_step) for look in found.passes[0]]
     chosen = tuple(one.begun(run[step - first]) for first, one, run, step in looks)
     value = _worth({one.request for one in chosen}, priorities)
@@ -371,7 +375,7 @@ def _made_ready(options: Sequence[ScanStarts], session: ImagingSession) -> Imagi
     share = np.array(session.priorities)[requests] / np.bincount(requests)[requests]
     several = np.bincount(requests)[requests] > 1
     names, group = np.unique(requests[several], return_inverse=True)
-    looking = campaigns.Looking(
+    looking = Looking(
         length_steps=least_steps[:, None],
         look_value=share[:, None],
         look_limit=np.ones(len(requests)),
