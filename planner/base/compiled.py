@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -83,18 +84,25 @@ def nested(function: F) -> F:
 
 
 def lean(function: F) -> F:
-    """The same for what makes no arrays: it need not count who holds those it is given, which
-    takes several times as long as to look at a target once."""
-    return _to_machine_code(function, _nrt=False)
+    """The same for what only kernels call and makes no arrays: it need not count who holds those it
+    is given, which takes several times as long as to look at a target once.  From Python, for which
+    no door is compiled, it is Python."""
+    return _part_of_callers(function)
 
 
 def inlined(function: F) -> F:
     """The same, as a part of each caller: a call would copy the tables' descriptors."""
-    return _to_machine_code(function, _nrt=False, forceinline=True)
+    return _part_of_callers(function, forceinline=True)
+
+
+# Nobody in C calls ours; a door for that is a fifth of what the windows take to compile.
+_OPTIONS = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def _to_machine_code(function: F, **options: bool | str) -> F:
     njit = cast(Any, numba.njit)  # whose types don't list all of its options
-    # Nobody in C calls ours; a door for that is a fifth of what the windows take to compile.
-    made = njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
-    return cast(F, made)
+    return cast(F, njit(**_OPTIONS, **options)(function))
+
+
+def _part_of_callers(function: F, **options: bool) -> F:
+    return register_jitable(_nrt=False, **_OPTIONS, **options)(function)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Indices
-from planner.base.compiled import compiled, inlined
+from planner.base.compiled import compiled, inlined, lean
 
 NONE = -1
 BITS = 62  # of a word of a label's memory, which is signed
@@ -297,7 +297,7 @@ def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     return labels
 
 
-@compiled
+@lean
 def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, visited: bool) -> None:
     """Labels at place `begin` come to others with nothing done on the way; NONE is no place.
 
@@ -316,7 +316,7 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, vis
         k = here.next
 
 
-@compiled
+@lean
 def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
     first, label = labels.first, labels.label

@@ -92,13 +92,6 @@ def test_least_time_is_sought_to_its_end_for_every_session():
     assert max(slew.duration_s / slew.minimum_s for slew in plan.slews) < 2.0
 
 
-def test_a_turn_for_which_there_is_no_time_is_refused_with_the_time_it_takes():
-    slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
-    with pytest.raises(InfeasibleSlew, match="the body needs") as refused:
-        plan_of(body_request(platform=slow))
-    assert refused.value.field == "sessions.2.start"
-
-
 @pytest.mark.parametrize("mode", ["shorten_later", "least_loss"])
 def test_a_session_cut_short_begins_settled_too(mode):
     slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}

@@ -77,6 +77,7 @@ def test_a_session_too_soon_to_settle_for_is_told_so(after_s, objective):
     assert refusal.field == "sessions.0.start"
     assert refusal.limit == "duration"
     assert ("settle" in refusal.detail) == (after_s <= 5.0)
+    assert ("the body needs" in refusal.detail) == (after_s > 5.0)
     told_start_utc, told_stop_utc = refusal.earliest_feasible_start_utc, refusal.feasible_stop_utc
     assert elapsed_s(told_start_utc, start_utc) > 5.0 - after_s
     assert planned(request, told_start_utc, told_stop_utc).verification.passed

@@ -186,7 +186,7 @@ def summed(level, steps, least, most):
 
 
 def test_what_a_refusal_offers_is_planned_as_told():
-    for request, refusal in refusals(seed=3, count=5):
+    for request, refusal in refusals(seed=3, count=3):
         assert refusal.limit in ("battery", "memory")
         assert refusal.earliest_feasible_start_utc is not None, refusal.detail
         number = int(refusal.field.split(".")[1])

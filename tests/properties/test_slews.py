@@ -36,9 +36,8 @@ def assert_flown(profile, start, end):
         assert values[-1] == pytest.approx(getattr(end, name), abs=tolerance)
 
 
-@pytest.mark.parametrize("part", range(2))
-def test_200_random_slews_are_all_solved_within_limits(part):
-    for number, case in enumerate(draw_cases(seed=100 + part, count=100)):
+def test_100_random_slews_are_all_solved_within_limits():
+    for number, case in enumerate(draw_cases(seed=100, count=100)):
         slack = SLACKS[number % len(SLACKS)]
         duration_s = least_shared_s(case) * slack
         gaps = [

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.inflight.simulation.plant import (
     AXIS_STATES,
     BRISTLE,
@@ -115,7 +115,7 @@ def advance(
     return step_s, tried
 
 
-@compiled
+@lean
 def _first_reversal(plant: AxesPlant, state: Array, signs: Array, scratch: Scratch) -> float:
     """Share of the step at which an axis first comes to rest; 1 if none does."""
     first = 1.0
@@ -136,7 +136,7 @@ def _first_reversal(plant: AxesPlant, state: Array, signs: Array, scratch: Scrat
     return first
 
 
-@compiled
+@lean
 def _set_signs(
     plant: AxesPlant, state: Array, signs: Array, torque: Torque, t_s: float, scratch: Scratch
 ) -> None:
@@ -159,7 +159,7 @@ def _set_signs(
             signs[axis] = 1.0 if scratch.slope_states[AXIS_STATES * axis + RATE] > 0.0 else -1.0
 
 
-@compiled
+@lean
 def _take_up_play(state: Array, play_rad: Array, shaft_rad: Array) -> None:
     """The shaft stays until the gear has crossed its play."""
     for axis in range(2):
@@ -263,7 +263,7 @@ def close_loops(plant: AxesPlant, loop: Loop, command: Command, noise_rad: Array
     return log
 
 
-@compiled
+@lean
 def _count(angle_rad: float, step_rad: float) -> float:
     """The nearest whole count."""
     return angle_rad if step_rad == 0.0 else step_rad * math.floor(angle_rad / step_rad + 0.5)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.world.platforms import AxisDrive, TwoAxisPlatform
 
 ANGLE, RATE, BRISTLE = 0, 1, 2  # of an axis's three states
@@ -88,7 +88,7 @@ def plant_of(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> 
     )
 
 
-@compiled
+@lean
 def steady_bristle(plant: AxesPlant, axis: int, rate_rad_s: float) -> float:
     """Of an axis that has long turned at this rate, rad."""
     if plant.bristle_per_s2[axis] == 0.0 or rate_rad_s == 0.0:
@@ -99,7 +99,7 @@ def steady_bristle(plant: AxesPlant, axis: int, rate_rad_s: float) -> float:
     return math.copysign(g / plant.bristle_per_s2[axis], rate_rad_s)
 
 
-@compiled
+@lean
 def relative_rate_rad_s(plant: AxesPlant, states: Array, axis: int) -> float:
     """w of the axis."""
     rate: float = states[AXIS_STATES * axis + RATE]
@@ -117,7 +117,7 @@ def relative_rate_rad_s(plant: AxesPlant, states: Array, axis: int) -> float:
     return float(rate)
 
 
-@compiled
+@lean
 def friction(
     plant: AxesPlant,
     axis: int,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.inflight.simulation.plant import (
     AXIS_STATES,
     MODE_STATES,
@@ -97,7 +97,7 @@ def scratch_for(modes: int) -> Scratch:
     )  # fmt: skip
 
 
-@compiled
+@lean
 def torque_at(torque: Torque, t_s: float, torque_rad_s2: Array) -> None:
     """Of both axes, into torque_rad_s2 (2,)."""
     for axis in range(2):
@@ -107,7 +107,7 @@ def torque_at(torque: Torque, t_s: float, torque_rad_s2: Array) -> None:
             torque_rad_s2[axis] += missing * math.exp(-t_s / torque.lag_s[axis])
 
 
-@compiled
+@lean
 def _subtract_from_diagonal(matrix: Array, diagonal_value: float) -> None:
     """diagonal - matrix, in place."""
     for i in range(len(matrix)):
@@ -116,7 +116,7 @@ def _subtract_from_diagonal(matrix: Array, diagonal_value: float) -> None:
         matrix[i, i] += diagonal_value
 
 
-@compiled
+@lean
 def _factorise(matrix: Array, pivots: Indices) -> None:
     """LU in place, with partial pivoting."""
     n = len(matrix)
@@ -137,7 +137,7 @@ def _factorise(matrix: Array, pivots: Indices) -> None:
                     matrix[i, j] -= matrix[i, k] * matrix[k, j]
 
 
-@compiled
+@lean
 def _substitute(matrix: Array, pivots: Indices, solved_states: Array) -> None:
     """Solve in place with what `_factorise` left."""
     n = len(matrix)
@@ -192,7 +192,7 @@ def step(
     _finish(scratch)
 
 
-@compiled
+@lean
 def _finish(scratch: Scratch) -> None:
     """The step's end, its error and its bends from the stages."""
     for i in range(len(scratch.end_states)):
@@ -205,7 +205,7 @@ def _finish(scratch: Scratch) -> None:
             scratch.bend_states[bend, i] = total
 
 
-@compiled
+@lean
 def _set_stage(states: Array, scratch: Scratch, stage: int) -> None:
     """The states at which a stage is taken."""
     for i in range(len(states)):
@@ -218,7 +218,7 @@ def _set_stage(states: Array, scratch: Scratch, stage: int) -> None:
         scratch.stage_states[i] = total
 
 
-@compiled
+@lean
 def _set_rise(
     plant: AxesPlant, states: Array, torque: Torque, t_s: float, rise_states: Array
 ) -> None:
@@ -241,7 +241,7 @@ def _set_rise(
             rise_states[2 * AXIS_STATES + MODE_STATES * j + 1] -= share * rise
 
 
-@compiled
+@lean
 def between(states: Array, scratch: Scratch, share: float, middle_states: Array) -> None:
     """The states at a share of the step just taken from `states`, to order 3."""
     for i in range(len(states)):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.planning.campaigns.choice import ChoiceOptions, Passes, worth_of
 from planner.planning.campaigns.looking import FirstUnheld
 from planner.planning.campaigns.network import NEVER, Network
@@ -270,7 +270,7 @@ def _blocked(
     return blocked
 
 
-@compiled
+@lean
 def _reaches(network: Network, way: int, leave: int, to: int, begin: int) -> bool:
     """Whether a slew from one way, left at a cell, is at another one's cell in time."""
     left = network.first[way] + leave - network.offset[way]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.compiled import compiled, inlined
+from planner.base.compiled import compiled, inlined, lean
 from planner.planning import label_search
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.label_search import (
@@ -170,7 +170,7 @@ def _of_use(network: Network, worth: Worth) -> Mask:
     return is_of_use
 
 
-@compiled
+@lean
 def _look_until(
     labels: Labels,
     network: Network,
@@ -207,14 +207,14 @@ class _Reached(NamedTuple):
     before: Indices
 
 
-@compiled
+@lean
 def _come(reached: _Reached, begin: int, to: int) -> None:
     """To another place with nothing done on the way, where that is better."""
     if reached.value[begin] > reached.value[to]:
         reached.value[to], reached.last[to] = reached.value[begin], reached.last[begin]
 
 
-@compiled
+@lean
 def _look_once(
     reached: _Reached, network: Network, worth: Worth, cell: int, way: int, step: int
 ) -> bool:
@@ -239,7 +239,7 @@ def _look_once(
     return is_seen
 
 
-@compiled
+@lean
 def _leave_once(reached: _Reached, network: Network, cell: int, way: int, step: int) -> None:
     """As `_leave`."""
     done, rest = cell + network.size, 2 * network.size
@@ -304,7 +304,7 @@ def _sweep_once(network: Network, worth: Worth) -> tuple[float, Indices]:
     return reached.value[home], _looks_until(reached, home)
 
 
-@compiled
+@lean
 def _leave(
     labels: Labels, network: Network, memory: LabelMemory, cell: int, way: int, step: int
 ) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.inflight.simulation.gyros.dynamics import ETA, G, MovingBody, Plant, advance, body_at
 from planner.inflight.simulation.gyros.onboard import (
     Computer,
@@ -70,7 +70,7 @@ def _misjudge(
     out /= math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
 
 
-@compiled
+@lean
 def _interpolate_rate(
     reference: Reference, tick: int, share: float, omega_body_rad_s: Array
 ) -> None:

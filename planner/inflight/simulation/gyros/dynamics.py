@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.world.platforms.cmg_array import Gyros
 
 G, ETA = 4, 7  # where G and eta begin in a state: q_eci_from_body_xyzw, G (N m s), eta, p
@@ -69,7 +69,7 @@ class MovingBody(NamedTuple):
     state_slopes: Array  # (4, 7 + 2 m)
 
 
-@compiled
+@lean
 def rotate(q_eci_from_body_xyzw: Array, v_body: Array, v_eci: Array) -> None:
     """v_eci = v_body turned by a unit quaternion, (3,)."""
     q, v = q_eci_from_body_xyzw, v_body
@@ -82,7 +82,7 @@ def rotate(q_eci_from_body_xyzw: Array, v_body: Array, v_eci: Array) -> None:
     v_eci[2] = z + q[3] * tz + q[0] * ty - q[1] * tx
 
 
-@compiled
+@lean
 def unrotate(q_eci_from_body_xyzw: Array, v_eci: Array, v_body: Array) -> None:
     """v_body = v_eci turned by the inverse of a unit quaternion, (3,)."""
     q, v = q_eci_from_body_xyzw, v_eci
@@ -98,7 +98,7 @@ def unrotate(q_eci_from_body_xyzw: Array, v_eci: Array, v_body: Array) -> None:
 Row = tuple[float, float, float]
 
 
-@compiled
+@lean
 def _matrix(q_eci_from_body_xyzw: Array) -> tuple[Row, Row, Row]:
     """Rows of c_eci_from_body."""
     q = q_eci_from_body_xyzw
@@ -110,7 +110,7 @@ def _matrix(q_eci_from_body_xyzw: Array) -> tuple[Row, Row, Row]:
     )
 
 
-@compiled
+@lean
 def _columns_times(c: tuple[Row, Row, Row], x: float, y: float, z: float) -> Row:
     """The matrix's transpose times a vector."""
     return (
@@ -120,7 +120,7 @@ def _columns_times(c: tuple[Row, Row, Row], x: float, y: float, z: float) -> Row
     )
 
 
-@compiled
+@lean
 def _rows_times(matrix: Array, x: float, y: float, z: float) -> Row:
     """A (3, 3) array times a vector."""
     return (
@@ -130,7 +130,7 @@ def _rows_times(matrix: Array, x: float, y: float, z: float) -> Row:
     )
 
 
-@compiled
+@lean
 def _rate(plant: Plant, c: tuple[Row, Row, Row], state: Array, h_body_n_m_s: Array) -> Row:
     x, y, z = _columns_times(c, state[G], state[G + 1], state[G + 2])
     x, y, z = x - h_body_n_m_s[0], y - h_body_n_m_s[1], z - h_body_n_m_s[2]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.inflight.simulation.gyros.dynamics import ServoStep, rotate, unrotate
 from planner.world.platforms.cmg_array import Gyros
 from planner.world.platforms.steering import rotor_momentum, steer
@@ -240,7 +240,7 @@ def decide(
         middle_rad = estimate.gimbal_rad + 0.5 * COMMAND_STEP_S * rate_rad_s
 
 
-@compiled
+@lean
 def send(computer: Computer, memory: OnboardMemory, gimbal_rad: Array) -> None:
     """Turn wanted into sent gimbal rates, memory.command_rad_s[0]: feedback on the gimbal angles.
 

@@ -8,7 +8,7 @@ beside the limit on a track, are taken away by ramps of their own, and what they
 import math
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 
 HALVINGS = 40  # of the span of peak rates: its rounding is 1e-12 of the rate limit
 BOUNDLESS = 1e12  # rad/s3: a jerk that takes no time
@@ -44,7 +44,7 @@ def axes_fit(
     return True
 
 
-@compiled
+@lean
 def _axis_time_s(
     start_state: Array, end_state: Array, axis_limits: Array, sign: float, available_s: float
 ) -> float:
@@ -56,7 +56,7 @@ def _axis_time_s(
     return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s - ramps_s) + ramps_s)
 
 
-@compiled
+@lean
 def _can_last(start_state: Array, end_state: Array, axis_limits: Array, lasts_s: float) -> bool:
     """Of one axis that can be there in less, whether it surely can take just so long.
 
@@ -82,7 +82,7 @@ def _can_last(start_state: Array, end_state: Array, axis_limits: Array, lasts_s:
     return bool(-_way_rad(low, -v0, -v1, a, j) <= delta_rad)
 
 
-@compiled
+@lean
 def _without_ramps(
     start_state: Array, end_state: Array, axis_limits: Array, sign: float
 ) -> tuple[float, float, float, float]:
@@ -104,7 +104,7 @@ def _without_ramps(
     return delta_rad, v0, v1, ramps_s
 
 
-@compiled
+@lean
 def needed_axis_s(
     rates_rad_s: tuple[float, float],
     accelerations_rad_s2: tuple[float, float],
@@ -132,7 +132,7 @@ def needed_axis_s(
     return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s + ramps_s) - ramps_s)
 
 
-@compiled
+@lean
 def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> bool:
     """Whether one rise to a peak and one fall is the quickest way, with bounded jerk too.
 
@@ -142,7 +142,7 @@ def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> boo
     return delta_rad >= 2.0 * fastest * change_s(fastest, a, j)
 
 
-@compiled
+@lean
 def by_peak_s(
     delta_rad: float,
     v0_rad_s: float,
@@ -178,7 +178,7 @@ def by_peak_s(
     return high_s
 
 
-@compiled
+@lean
 def _way_rad(v_peak_rad_s: float, v0: float, v1: float, a: float, j: float) -> float:
     """What is covered from v0 by way of a peak rate to v1."""
     return 0.5 * (
