@@ -4,6 +4,7 @@ It sees the table, the verdict on it and the request: no candidate, no slew, no 
 points come from its own intersection of the optical axis with the ellipsoid.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
@@ -29,6 +30,7 @@ from planner.world.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, RowUtc, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
+from planner.world.targets.geojson import Position
 from planner.world.targets.strips import places_itrf_m
 
 
@@ -274,7 +276,7 @@ def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
 
 
 def _coverage_findings(session: _Session) -> Iterator[str]:
-    """Every request begun is completed: all legs, both looks, all of an area's corners."""
+    """Every request begun is completed: all legs, both looks, all strips of an area."""
     for request in session.request.requests:
         looks = [window for window in session.windows if window.request == request.name]
         if not looks:
@@ -282,7 +284,7 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
         if isinstance(request, AreaRequest):
             short_m = _uncovered_m(session, looks, request)
             if short_m > TOLERANCES.coverage * session.spacecraft.swath_m:
-                yield f"{request.name!r}: a corner lies {short_m:.1f} m outside the strips"
+                yield f"{request.name!r}: its edge lies {short_m:.1f} m outside the strips"
         else:
             count = 2 if request.mode == "stereo" else len(request.geometry.coordinates) - 1
             if len(looks) != count:
@@ -294,18 +296,37 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
 
 
 def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: AreaRequest) -> float:
-    """How far outside the scanned strips the worst corner of an area lies."""
-    corners_itrf_m = places_itrf_m(request.geometry.coordinates[0], request.height_m)
+    """How far an area's edge, where every strip ends, lies outside those scanned at most."""
     half_m = 0.5 * session.spacecraft.swath_m
-    outside_m = np.full(len(corners_itrf_m), np.inf)
+    edge_itrf_m = np.concatenate(
+        [_edge_itrf_m(ring, request, half_m / 4.0) for ring in request.geometry.coordinates]
+    )
+    outside_m = np.full(len(edge_itrf_m), np.inf)
     for look in looks:
         t_s = np.array([look.first_row, look.last_row]) / ROWS_PER_S
         start_itrf_m, end_itrf_m = _view_at(session, t_s, request.height_m).r_ground_itrf_m
         length_m = np.linalg.norm(end_itrf_m - start_itrf_m)
         along_itrf = (end_itrf_m - start_itrf_m) / length_m
         side_itrf = np.cross(start_itrf_m / np.linalg.norm(start_itrf_m), along_itrf)
-        along_m = (corners_itrf_m - start_itrf_m) @ along_itrf
+        along_m = (edge_itrf_m - start_itrf_m) @ along_itrf
         beyond_m = np.maximum(np.maximum(-along_m, along_m - length_m), 0.0)
-        aside_m = np.maximum(np.abs((corners_itrf_m - start_itrf_m) @ side_itrf) - half_m, 0.0)
+        aside_m = np.maximum(np.abs((edge_itrf_m - start_itrf_m) @ side_itrf) - half_m, 0.0)
         outside_m = np.minimum(outside_m, np.maximum(beyond_m, aside_m))
     return float(np.max(outside_m))
+
+
+def _edge_itrf_m(ring: Sequence[Position], request: AreaRequest, step_m: float) -> Array:
+    """Places on a ring, (n, 3), no further apart than a step; each side in the plane through its
+    ends and the Earth's centre."""
+    corners_itrf_m = places_itrf_m(ring, request.height_m)
+    sides_m = np.linalg.norm(np.diff(corners_itrf_m, axis=0), axis=1)
+    chord_itrf_m = np.concatenate(
+        [
+            np.linspace(start, end, math.ceil(side_m / step_m) + 1)
+            for start, end, side_m in zip(corners_itrf_m, corners_itrf_m[1:], sides_m, strict=False)
+        ]
+    )
+    a, b = WGS84_A_M + request.height_m, WGS84_A_M * (1.0 - WGS84_F) + request.height_m
+    return np.asarray(
+        chord_itrf_m / np.linalg.norm(chord_itrf_m / [a, a, b], axis=1, keepdims=True)
+    )
