@@ -55,7 +55,8 @@ def test_the_plan_says_which_it_is_and_what_the_answer_says(plan_page):
     answer = plan_page.request.get("/v1/plans/" + plan_page.url.rsplit("/", 1)[1]).json()
     summary = answer["summary"]
     verdict = plan_page.get_by_test_id("verdict").inner_text()
-    assert f"in frame {100 * summary['probability_in_frame']:.1f} %" in verdict
+    percent = f"{100 * summary['probability_in_frame']:.1f}".removesuffix(".0")
+    assert f"in frame {percent} %" in verdict
     [session] = summary["sessions"]
     assert f"ground sample {session['ground_sample_m']:.2f} m" in verdict
     assert f"elevation up to {session['best_elevation_deg']:.0f}°" in verdict
