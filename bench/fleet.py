@@ -26,7 +26,6 @@ from pathlib import Path
 
 import numpy as np
 
-from app.jobs.dask_executor import DaskExecutor
 from app.jobs.kinds import CAMPAIGN, CARRIERS
 from app.jobs.shares import Places, Sharing
 from app.jobs.worker_process import Stop, Task, run_here
@@ -54,7 +53,11 @@ def main() -> None:
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: asked.workers])
     watch = Watch(asked.lose)
     places = Places(take=lambda: True, leave=lambda: None, most=asked.workers - 1)
-    run_task = DaskExecutor(asked.scheduler).run if asked.scheduler else run_here
+    run_task = run_here
+    if asked.scheduler:  # children import what stands above
+        from app.jobs.dask_executor import DaskExecutor
+
+        run_task = DaskExecutor(asked.scheduler).run
     sharing = Sharing(run_task=run_task, places=places, attempts=2)
     begins: dict[str, float] = {}
 
