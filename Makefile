@@ -72,7 +72,7 @@ PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 # 0.4 s to load, with it 0.2.
 COMPILE := import sys; from app.cli import main; from typer.testing import CliRunner; \
 	each = (CliRunner().invoke(main, command.split()) for command in sys.argv[1:]); \
-	[sys.exit(done.stderr) for done in each if done.exit_code]
+	[sys.exit(done.stderr or repr(done.exception)) for done in each if done.exit_code]
 
 $(KERNELS): export PYTHONDONTWRITEBYTECODE :=
 $(KERNELS): .venv/installed $(shell grep -rl 'planner.base.compiled import' planner --include='*.py')
