@@ -7,8 +7,8 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from typing import TYPE_CHECKING
 
 from app.versions import VERSION
-from planner.planning.campaigns.joined import Joined, Part
-from planner.planning.campaigns.pricing import Answer, Ask, Asked, PricedPasses, Question
+from planner.planning.campaigns.joined import FleetPart, Joined
+from planner.planning.campaigns.pricing import Ask, AskedPass, PricedPasses, PricedPath, Question
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -51,10 +51,10 @@ class _Workers:
         for first, address in enumerate(addresses):
             part = joined.part(carriers[first :: len(addresses)])
             [sent] = client.scatter([part], workers=[address], direct=True, hash=False)
-            passes = client.submit(Part.priced_passes, sent, workers=[address], pure=False)
+            passes = client.submit(FleetPart.priced_passes, sent, workers=[address], pure=False)
             self._parts.append((address, part, sent, passes))
 
-    def answers(self, question: Question, asked: Sequence[Asked]) -> Sequence[Answer]:
+    def answers(self, question: Question, asked: Sequence[AskedPass]) -> Sequence[PricedPath]:
         """An `Ask`."""
         tasks = []
         for place in self._parts:
@@ -62,7 +62,7 @@ class _Workers:
             own, put = part.own(asked), PricedPasses.answers
             there = self._client.submit(put, passes, question, own, workers=[address], pure=False)
             tasks.append((place, own, there))
-        found: dict[int, Answer] = {}
+        found: dict[int, PricedPath] = {}
         for place, own, there in tasks:
             try:
                 found |= zip([one.number for one in own], there.result(), strict=True)

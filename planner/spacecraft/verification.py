@@ -195,9 +195,7 @@ def _view_at(session: _Session, t_s: Array, height_m: float) -> _View:
         np.einsum("nij,nj->ni", c_itrf, of_eci)
         for of_eci in (states.r_sat_eci_m, los_eci, q_eci_from_body.apply([1.0, 0.0, 0.0]))
     )
-    # The ellipsoid is scaled to a sphere.
-    a, b = WGS84_A_M + height_m, WGS84_A_M * (1.0 - WGS84_F) + height_m
-    scale = 1.0 / np.array([a, a, b])
+    scale = 1.0 / _semi_axes_m(height_m)  # the ellipsoid is scaled to a sphere
     o, d = r_sat_itrf_m * scale, los_itrf * scale
     dd, od = np.sum(d * d, axis=1), np.sum(o * d, axis=1)
     discriminant = np.maximum(od**2 - dd * (np.sum(o * o, axis=1) - 1.0), 0.0)
@@ -326,7 +324,10 @@ def _edge_itrf_m(ring: Sequence[Position], request: AreaRequest, step_m: float) 
             for start, end, side_m in zip(corners_itrf_m, corners_itrf_m[1:], sides_m, strict=False)
         ]
     )
-    a, b = WGS84_A_M + request.height_m, WGS84_A_M * (1.0 - WGS84_F) + request.height_m
-    return np.asarray(
-        chord_itrf_m / np.linalg.norm(chord_itrf_m / [a, a, b], axis=1, keepdims=True)
-    )
+    scaled = chord_itrf_m / _semi_axes_m(request.height_m)
+    return np.asarray(chord_itrf_m / np.linalg.norm(scaled, axis=1, keepdims=True))
+
+
+def _semi_axes_m(height_m: float) -> Array:
+    """Of the ellipsoid raised by a height, (3,)."""
+    return np.array([WGS84_A_M, WGS84_A_M, WGS84_A_M * (1.0 - WGS84_F)]) + height_m

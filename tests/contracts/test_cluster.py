@@ -42,7 +42,7 @@ from planner.planning.campaigns import fleet, looks_of_carrier
 from planner.planning.campaigns.joined import joined_of
 from planner.planning.campaigns.network import Cut
 from planner.planning.campaigns.pricing import (
-    Asked,
+    AskedPass,
     Question,
     free_path,
     held_path,
@@ -262,7 +262,7 @@ def test_passes_of_a_fleet_are_priced_alike_by_workers_and_here(scheduler, logs,
     joined = joined_of({carrier: looks(one) for carrier, one in request.requests.items()})
     price = np.linspace(0.0, 0.5, len(joined.candidates))
     most = partial(most_at_best, labels_max=10_000, orders_max=10_000)
-    plain = [Asked(number) for number in range(len(joined.order))]
+    plain = [AskedPass(number) for number in range(len(joined.order))]
     dear = [  # to look at all, and nothing by its first way
         one._replace(
             cuts=(Cut(None, 0, 0, int(network.last[0] - network.first[0])),),

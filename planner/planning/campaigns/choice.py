@@ -13,10 +13,10 @@ from planner.planning.campaigns.network import NO_COST, Cut
 from planner.planning.campaigns.orders import ordered_path
 from planner.planning.campaigns.path import Look, Path, Worth, exact_path
 from planner.planning.campaigns.pricing import (
-    Answer,
     Ask,
-    Asked,
+    AskedPass,
     PricedPasses,
+    PricedPath,
     Put,
     Question,
     bounded_held_path,
@@ -188,7 +188,7 @@ class Search:
         self._holds = False  # whether paths that passes take at prices are such as can be held
         self._is_priced = False
         # Of each pass at its latest own prices.
-        self._answered: dict[int, tuple[bytes, Answer]] = {}
+        self._answered: dict[int, tuple[bytes, PricedPath]] = {}
         self._fitted: dict[int, tuple[bytes, Path]] = {}
 
     def found(self, tell: Reporter, prove: Prove | None = None) -> CampaignChoice:
@@ -349,26 +349,30 @@ class Search:
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
         numbers, left_price = part.tolist(), np.where(left_limit > 0.0, price, np.inf)
-        answers = self._answers(held_path, left_price, numbers)
+        answers = self._answers(held_path, left_price, numbers, self._costs(numbers))
         return [
             (number, path.looks)
             for number, (_, path, _) in zip(numbers, answers, strict=True)
             if path.looks
         ]
 
+    def _costs(self, numbers: Sequence[int]) -> Sequence[Array]:
+        """What looks of some passes pay at the best prices of further rows; nothing of none."""
+        return ()
+
     def _held_path(self, number: int, worth: Worth, cost: Array = NO_COST) -> Path:
         """Of a pass."""
-        answer = held_path(self._passes, Asked(number, self._cuts[number], cost), worth)
+        answer = held_path(self._passes, AskedPass(number, self._cuts[number], cost), worth)
         self._cuts[number] = answer.cuts
         return answer.path
 
     def _answers(
         self, put: Put, price: Array, numbers: Sequence[int], costs: Sequence[Array] = ()
-    ) -> Sequence[Answer]:
+    ) -> Sequence[PricedPath]:
         """Of some passes, whose looks cost something or nothing."""
         own_costs = costs or [NO_COST] * len(numbers)
         asked = [
-            Asked(number, self._cuts[number], cost)
+            AskedPass(number, self._cuts[number], cost)
             for number, cost in zip(numbers, own_costs, strict=True)
         ]
         answers = self._ask(Question(put, price), asked)
@@ -376,7 +380,7 @@ class Search:
             self._cuts[number] = answer.cuts
         return answers
 
-    def _priced(self, price: Array) -> Sequence[Answer]:
+    def _priced(self, price: Array) -> Sequence[PricedPath]:
         """Of all passes."""
         numbers = range(len(self._networks))
         if not self._is_priced:
@@ -662,7 +666,7 @@ def bound_at(
         labels_max=min(options.pass_labels_max, options.bound_labels_max // max(count, 1)),
         orders_max=options.bound_orders_max // max(count, 1),
     )
-    asked = [Asked(number, cost=cost) for number, cost in enumerate(costs or [NO_COST] * count)]
+    asked = [AskedPass(number, cost=cost) for number, cost in enumerate(costs or [NO_COST] * count)]
     priced = looking.beside(price) + room_value
     answers = (ask or passes.answers)(Question(most, price), asked)
     for answer, rent in zip(answers, rent_costs or [0.0] * count, strict=True):

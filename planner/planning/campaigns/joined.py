@@ -13,7 +13,7 @@ from planner.planning.campaigns.carrier_looks import CarrierLooks
 from planner.planning.campaigns.looking import FirstUnheld, Looking
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
-from planner.planning.campaigns.pricing import Asked, PricedPasses
+from planner.planning.campaigns.pricing import AskedPass, PricedPasses
 from planner.planning.campaigns.request import BOUNDS, CampaignRequest
 
 
@@ -157,11 +157,11 @@ class Joined:
         worths = replace(looking, look_value=value)
         return PricedPasses(self.networks, Relaxed(self), worths, self.first_unheld)
 
-    def part(self, carriers: Sequence[int]) -> "Part":
+    def part(self, carriers: Sequence[int]) -> "FleetPart":
         """Of some carriers, by their places in order."""
         names = tuple(self.carriers)
         place = {carrier: n for n, carrier in enumerate(carriers)}
-        return Part(
+        return FleetPart(
             joined=Joined(
                 carriers={names[one]: self.looks_by_carrier[one] for one in carriers},
                 candidates=(),  # what they are worth is told by `looking`
@@ -191,14 +191,14 @@ class Relaxed:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
+class FleetPart:
     """Passes of some carriers, to be priced where pickle takes them."""
 
     joined: Joined
     looking: Looking
     requests: Mapping[str, CampaignRequest]
 
-    def own(self, asked: Iterable[Asked]) -> list[Asked]:
+    def own(self, asked: Iterable[AskedPass]) -> list[AskedPass]:
         """Those of its passes."""
         return [one for one in asked if one.number in self.joined.order]
 

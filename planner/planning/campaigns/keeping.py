@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.choice import (
     OPTIONS,
@@ -297,16 +297,9 @@ class _KeepingSearch(Search):
         worths = np.where(held > 0, looking.look_value[targets] / np.maximum(held, 1), 0.0)
         return float(worths.max()) / self._keeping.step_s
 
-    def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
-        rows = self.rows[: len(self.row_price)]
-        costs, _, _ = self._keeping.priced(self._networks, rows, self.row_price)
-        numbers, left_price = part.tolist(), np.where(left_limit > 0.0, price, np.inf)
-        answers = self._answers(held_path, left_price, numbers, [costs[n] for n in numbers])
-        return [
-            (number, one.path.looks)
-            for number, one in zip(numbers, answers, strict=True)
-            if one.path.looks
-        ]
+    def _costs(self, numbers: Sequence[int]) -> Sequence[Array]:
+        rows, networks = self.rows[: len(self.row_price)], self._networks
+        return [self._keeping.cost(n, networks[n], rows, self.row_price) for n in numbers]
 
     def _fewer(self, number: int, path: Path, worth: Worth, passes: Passes) -> Iterator[Path]:
         """A path that uses too much, without the looks that are worth least for their time."""

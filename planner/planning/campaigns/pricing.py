@@ -19,7 +19,7 @@ class Networks(Protocol):
     def __getitem__(self, number: int, /) -> Network: ...
 
 
-class Asked(NamedTuple):
+class AskedPass(NamedTuple):
     """A pass: its number, what is known that can't be held in it, and what its looks cost, as of
     `Network`."""
 
@@ -28,7 +28,7 @@ class Asked(NamedTuple):
     cost: Array = NO_COST
 
 
-class Answer(NamedTuple):
+class PricedPath(NamedTuple):
     """Of a pass: what none of its paths gains more than, the best one known, and what can't be
     held, with all that was found out meanwhile."""
 
@@ -37,7 +37,7 @@ class Answer(NamedTuple):
     cuts: tuple[Cut, ...]
 
 
-Put = Callable[["PricedPasses", Asked, Worth], Answer]
+Put = Callable[["PricedPasses", AskedPass, Worth], PricedPath]
 
 
 class Question(NamedTuple):
@@ -50,7 +50,7 @@ class Question(NamedTuple):
     price: Array
 
 
-Ask = Callable[[Question, Sequence[Asked]], Sequence[Answer]]
+Ask = Callable[[Question, Sequence[AskedPass]], Sequence[PricedPath]]
 """Answers in the passes' order, the same wherever they are found."""
 
 
@@ -72,7 +72,7 @@ class PricedPasses:
         self.first_unheld = first_unheld
         self._cut: dict[int, tuple[tuple[Cut, ...], Network]] = {}
 
-    def answers(self, question: Question, asked: Sequence[Asked]) -> Sequence[Answer]:
+    def answers(self, question: Question, asked: Sequence[AskedPass]) -> Sequence[PricedPath]:
         """An `Ask`, by threads."""
         worth = self.looking.less_prices(question.price)
         return [*done_at_once(lambda one: question.put(self, one, worth), asked)]
@@ -93,14 +93,14 @@ class PricedPasses:
         return network
 
 
-def free_path(passes: PricedPasses, asked: Asked, worth: Worth) -> Answer:
+def free_path(passes: PricedPasses, asked: AskedPass, worth: Worth) -> PricedPath:
     """The best path, whether or not its looks can be held."""
     settled = passes.looking.settled(worth, asked.number)
     path = best_path(passes.networks[asked.number]._replace(cost=asked.cost), settled)
-    return Answer(path.value, path, asked.cuts)
+    return PricedPath(path.value, path, asked.cuts)
 
 
-def held_path(passes: PricedPasses, asked: Asked, worth: Worth) -> Answer:
+def held_path(passes: PricedPasses, asked: AskedPass, worth: Worth) -> PricedPath:
     """The best path whose looks can be held: one that those before it don't let be held is taken
     after them no more."""
     number, cuts, cost = asked
@@ -110,7 +110,7 @@ def held_path(passes: PricedPasses, asked: Asked, worth: Worth) -> Answer:
         path = best_path(network._replace(cost=cost), settled)
         unheld = passes.first_unheld(path.looks)
         if unheld is None:
-            return Answer(path.value, path, cuts)
+            return PricedPath(path.value, path, cuts)
         cuts = (*cuts, _cut_at(network, path, *unheld, settled.settle_steps))
 
 
@@ -127,22 +127,24 @@ def _cut_at(network: Network, path: Path, place: int, last_step: int, settle_ste
     return Cut(before[0] if before else None, way, begin, end)
 
 
-def bounded_held_path(passes: PricedPasses, asked: Asked, worth: Worth, labels_max: int) -> Answer:
+def bounded_held_path(
+    passes: PricedPasses, asked: AskedPass, worth: Worth, labels_max: int
+) -> PricedPath:
     """As `held_path`, and what no path, held or not, is worth more than."""
     settled = passes.looking.settled(worth, asked.number)
     most, path = bounded_path(passes.networks[asked.number], settled, labels_max)
     if passes.first_unheld(path.looks) is None:
-        return Answer(most, path, asked.cuts)
+        return PricedPath(most, path, asked.cuts)
     return held_path(passes, asked, worth)._replace(most_value=most)
 
 
 def most_at_best(
-    passes: PricedPasses, asked: Asked, worth: Worth, labels_max: int, orders_max: int
-) -> Answer:
+    passes: PricedPasses, asked: AskedPass, worth: Worth, labels_max: int, orders_max: int
+) -> PricedPath:
     """What no path is worth more than at slew times that nothing can beat; the path isn't told."""
     settled = passes.looking.settled(worth, asked.number)
     network = passes.relaxed[asked.number]._replace(cost=asked.cost)
     most = min(
         bounded_path(network, settled, labels_max)[0], most_worth(network, settled, orders_max)
     )
-    return Answer(most, Path(value=0.0, looks=()), asked.cuts)
+    return PricedPath(most, Path(value=0.0, looks=()), asked.cuts)
